@@ -1,0 +1,17 @@
+//! The error of this crate.
+
+use crate::Order;
+
+/// What can be wrong with a value from outside.
+///
+/// Slices of the wrong length are broken contracts and panic instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The number of bands is zero or above [`Order::MAX`].
+    #[error("order {given} is not in 1..={}", Order::MAX)]
+    Order {
+        /// The number of bands asked for.
+        given: usize,
+    },
+}

@@ -1,0 +1,160 @@
+//! Real spherical harmonics to any order: evaluate, project, rotate, convolve, window.
+//!
+//! This page fixes the conventions once, for this crate and for everything that is built on it.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | order `n` | the number of bands; the bands are `l = 0..n` |
+//! | band `l`, `m` | `m = -l..=l` within the band: `2l+1` functions |
+//! | index `i` | `i = l(l+1) + m`, see [`index`]; coefficients are slices `[n²]` |
+//! | zonal coefficients | `[n]`, one per band: a function that is symmetric about +z |
+//! | lobe, axis | zonal coefficients that are used about a unit direction |
+//! | light | `[3, n²]`, channel-major: incident radiance in the frame of the scene |
+//!
+//! # Basis
+//!
+//! Real, orthonormal on the unit sphere, **with** the Condon-Shortley phase `(−1)^m`. With `theta` from +z, `phi` from +x
+//! towards +y, and `P_l^m` the associated Legendre function *without* that phase:
+//!
+//! ```text
+//! K_lm  = sqrt( (2l+1)/(4π) · (l−|m|)!/(l+|m|)! )
+//! y_lm  = (−1)^m √2 K_lm cos(m phi)   P_l^m(cos theta)      m > 0
+//! y_l0  =           K_l0              P_l(cos theta)
+//! y_lm  = (−1)^m √2 K_lm sin(|m| phi) P_l^|m|(cos theta)    m < 0
+//! ```
+//!
+//! As polynomials of a unit vector `(x, y, z)`, the fingerprint by which another library's coefficients are recognised:
+//!
+//! ```text
+//! i  l  m   y_i
+//! 0  0  0   +1/(2√π)            = +0.28209479177387814
+//! 1  1 −1   −√(3/(4π)) y        = −0.4886025119029199 y
+//! 2  1  0   +√(3/(4π)) z        = +0.4886025119029199 z
+//! 3  1 +1   −√(3/(4π)) x        = −0.4886025119029199 x
+//! 4  2 −2   +½ √(15/π) x y      = +1.0925484305920792 x y
+//! 5  2 −1   −½ √(15/π) y z      = −1.0925484305920792 y z
+//! 6  2  0   +¼ √(5/π) (3z² − 1) = +0.31539156525252005 (3z² − 1)
+//! 7  2 +1   −½ √(15/π) x z      = −1.0925484305920792 x z
+//! 8  2 +2   +¼ √(15/π) (x² − y²) = +0.5462742152960396 (x² − y²)
+//! ```
+//!
+//! The papers, DirectX and 3D Gaussian splats use the same signs. Libraries without the phase (sphericart, sphrs, SciPy-style
+//! real harmonics, three.js) differ by the factor `(−1)^m` for each coefficient. "Order" there may mean `l_max = n − 1`.
+//!
+//! # Frames
+//!
+//! A direction is a unit vector `[x, y, z]` in the frame of the scene. The polar axis of the basis is that frame's **+z**,
+//! whatever is up. The optimal linear lobe of `f` has the axis `(−f_11, −f_1−1, f_10)` (not normalised).
+//! Maps have y up: [`LatLong`] is oriented as Mitsuba's `envmap`, [`CubeMap`] as OpenGL's cube map faces.
+//!
+//! # Zonal functions
+//!
+//! A zonal function about +z has the coefficients `g_l` of its `y_l0`. About an axis `a` it is
+//! `f_lm = √(4π/(2l+1)) g_l y_lm(a)` ([`expand_zonal`]). The *lobe coefficients* of [SLS05](crate#references) eq. 4 and 6 are
+//! `g*_l = √(4π/(2l+1)) g_l` ([`lobe_from_zonal`]): these are what is stored for lobes, and `f_lm = g*_l y_lm(a)` ([`expand_lobe`]).
+//!
+//! # Rotation
+//!
+//! Rotating `f` by `R` gives `g(s) = f(R⁻¹ s)`: a feature of `f` in the direction `d` is in the direction `R d` of `g`.
+//! [`ShRotation`] turns the coefficients of `f` into those of `g`, band by band.
+//!
+//! # Precision
+//!
+//! Everything is generic over [`Real`], that is `f32` and `f64`. Evaluation uses fully normalised recurrences in `x, y, z`:
+//! no angles, no trigonometry, no division by `sin theta`, so the poles are ordinary points. Sums over maps and quadrature points
+//! are taken in `f64`, and rotations are built in `f64`, whatever the type of the coefficients.
+//!
+//! # Features
+//!
+//! | feature | default | gives |
+//! |---|---|---|
+//! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], projection, and reconstruction of maps |
+//! | `libm` | no | floating-point functions without the standard library (`no_std`) |
+//!
+//! One of `std` and `libm` is needed.
+//!
+//! # References
+//!
+//! Keys in the documentation of this workspace resolve here.
+//!
+//! - **\[SKS02\]** P.-P. Sloan, J. Kautz, J. Snyder. *Precomputed Radiance Transfer for Real-Time Rendering in Dynamic,
+//!   Low-Frequency Lighting Environments.* ACM Transactions on Graphics 21(3) (SIGGRAPH), 2002.
+//!   <https://doi.org/10.1145/566654.566612>. Erratum: the volume transfer of section 7 as printed lacks the scattering coefficient, the
+//!   path length and the factor 1/N, so its first bounce is 2-4 times too bright and depends on the grid.
+//! - **\[SLS05\]** P.-P. Sloan, B. Luna, J. Snyder. *Local, Deformable Precomputed Radiance Transfer.*
+//!   ACM Transactions on Graphics 24(3) (SIGGRAPH), 2005. <https://doi.org/10.1145/1186822.1073335>. Note: the membrane's `g*_l` of
+//!   eq. 23 are already divided by π.
+//! - **\[KKP05\]** J. Křivánek, J. Konttinen, S. Pattanaik, K. Bouatouch, J. Žára. *Fast Approximation to Spherical Harmonics Rotation.*
+//!   IRISA research report 1728, 2005; Spring Conference on Computer Graphics, 2006, <https://doi.org/10.1145/2602161.2602167>; sketch at
+//!   SIGGRAPH 2006, <https://doi.org/10.1145/1179849.1180042>. Erratum: the limit `1.25 a` for the angle (Appendix B) ignores the order;
+//!   the worst error is about `0.25 ((n−1)β)²`, so a tolerance `e` allows `β ≤ 2√e/(n−1)`.
+//! - **\[WXZ06\]** J. Wang, K. Xu, K. Zhou, S. Lin, S. Hu, B. Guo. *Spherical Harmonics Scaling.* The Visual Computer 22(9-11),
+//!   2006. <https://doi.org/10.1007/s00371-006-0057-8>. Note: truncated scaling matrices do not compose; scale from the captured
+//!   expansion.
+//! - **\[NSSF07\]** D. Nowrouzezahrai, P. Simari, E. Kalogerakis, K. Singh, E. Fiume. *Compact and Efficient Generation of Radiance
+//!   Transfer for Dynamically Articulated Characters.* GRAPHITE, 2007.
+//!   <http://www.dgp.toronto.edu/~derek/Graphite07_DynamicShadowing.html>. Erratum: table 2 counts a megabyte as 1,024,000 bytes in some
+//!   columns and as 2²⁰ in the Armadillo's.
+//! - **\[IR96\]** J. Ivanic, K. Ruedenberg. *Rotation Matrices for Real Spherical Harmonics. Direct Determination by Recursion.*
+//!   The Journal of Physical Chemistry 100(15), 1996. <https://doi.org/10.1021/jp953350u>. Errata: *Additions and Corrections*, The Journal
+//!   of Physical Chemistry A 102(45), 1998, <https://doi.org/10.1021/jp9833350>, replace the tables of `u, v, w` and `U, V, W`, and are
+//!   themselves reported to be misprinted in `V` for m < 0. The form used here is proved by tests: its factors are orthonormal, and rotation
+//!   commutes with evaluation.
+//! - **\[Slo08\]** P.-P. Sloan. *Stupid Spherical Harmonics (SH) Tricks.* Game Developers Conference, 2008.
+//! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
+//!   <https://doi.org/10.1145/383259.383317>.
+//! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical Engineering
+//!   30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
+
+#![no_std]
+#![cfg_attr(
+    not(feature = "alloc"),
+    allow(rustdoc::broken_intra_doc_links, reason = "the page names items that need the feature `alloc`")
+)]
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
+#[cfg(feature = "std")]
+extern crate std;
+
+#[cfg(not(any(feature = "std", feature = "libm")))]
+compile_error!("sh-core needs floating-point functions: enable its feature `std` (the default) or `libm`");
+
+mod basis;
+mod error;
+mod maps;
+mod order;
+#[cfg(feature = "alloc")]
+mod project;
+mod real;
+#[cfg(feature = "alloc")]
+mod rotation;
+#[cfg(feature = "alloc")]
+mod sphere;
+mod vector;
+mod window;
+mod zonal;
+
+#[cfg(feature = "alloc")]
+pub use basis::Basis;
+pub use basis::{eval, reconstruct};
+pub use error::Error;
+pub use maps::{CubeMap, LatLong};
+pub use order::{Order, index};
+#[cfg(feature = "alloc")]
+pub use project::{project_cube, project_function, project_lat_long, reconstruct_lat_long};
+pub use real::Real;
+#[cfg(feature = "alloc")]
+pub use rotation::ShRotation;
+#[cfg(feature = "alloc")]
+pub use sphere::{Quadrature, fibonacci};
+pub use vector::{dot, scale_bands};
+pub use window::hanning;
+pub use zonal::{clamped_cosine, convolve, expand_lobe, expand_zonal, lobe_from_zonal, zonal_from_lobe};
+
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

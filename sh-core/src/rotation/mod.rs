@@ -1,0 +1,7 @@
+//! Rotation of expansions.
+
+mod exact;
+mod ivanic;
+
+pub use exact::ShRotation;
+pub(crate) use exact::rotate_channels;
