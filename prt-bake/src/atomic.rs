@@ -1,0 +1,67 @@
+//! Writing a file whole or not at all.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+/// Writes a file through a temporary one in the same folder, which takes its name only once it is complete.
+///
+/// A failure in `body`, a full disk or a killed program leaves an older file of that name as it was.
+/// The new file gets the permissions that the process's umask leaves (0666 without it). A symbolic link
+/// is followed; a device or pipe is written to directly, for there is nothing to replace.
+///
+/// # Errors
+/// [`Error::Io`] naming `path`, whatever went wrong.
+pub(crate) fn write_atomically<T>(
+    path: &Path,
+    body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>,
+) -> Result<T, Error> {
+    write(path, body).map_err(|source| Error::Io { action: "write", path: path.to_owned(), source })
+}
+
+fn write<T>(path: &Path, body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>) -> io::Result<T> {
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(metadata) if !metadata.is_file() => fill(&File::options().write(true).open(path)?, body),
+        Ok(_) => replace(&fs::canonicalize(path)?, body),
+        Err(_) => replace(path, body),
+    }
+}
+
+fn replace<T>(path: &Path, body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>) -> io::Result<T> {
+    let temporary = new_temporary(path)?;
+    let value = fill(temporary.as_file(), body)?;
+    temporary.persist(path)?;
+    Ok(value)
+}
+
+fn fill<T>(file: &File, body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>) -> io::Result<T> {
+    let mut writer = BufWriter::new(file);
+    let value = body(&mut writer)?;
+    writer.flush()?;
+    Ok(value)
+}
+
+/// A hidden file beside `path`, removed again when dropped.
+fn new_temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+    let mut prefix = OsString::from(".");
+    prefix.push(name);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".part");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    // The library's own message would show the temporary name.
+    builder.tempfile_in(folder_of(path)).map_err(|error| error.kind().into())
+}
+
+/// The folder a path lies in, `.` for a bare name.
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}

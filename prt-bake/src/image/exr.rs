@@ -1,0 +1,142 @@
+//! OpenEXR.
+
+use std::io::Cursor;
+
+use exr::block::lines::LineIndex;
+use exr::block::reader::ChunksReader;
+use exr::block::{self, BlockIndex, UncompressedBlock};
+use exr::compression::Compression;
+use exr::error::Error as ExrError;
+use exr::math::Vec2;
+use exr::meta::attribute::{ChannelList, SampleType};
+use exr::meta::header::Header;
+use half::f16;
+
+use super::primaries;
+use super::{Image, check_size};
+use crate::input::Fault;
+
+/// Most times that a compression expands: deflate's 1032, which PIZ, RLE, B44 and PXR24 stay below.
+const MAX_EXPANSION: usize = 1032;
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Image, Fault> {
+    let reader = block::read(Cursor::new(bytes), false).map_err(fault)?;
+    let (part, channels) = choose_part(reader.headers())?;
+    let header = reader.headers()[part].clone();
+    check_header(&header, bytes.len())?;
+    let Vec2(width, height) = header.layer_size;
+    // Every pixel that the file leaves out stays NaN, which the caller refuses.
+    let mut image = Image { width, height, pixels: vec![[f32::NAN; 3]; width * height] };
+    let chunks = reader
+        .filter_chunks(true, |_, tile, block| block.layer == part && tile.level_index == Vec2(0, 0))
+        .map_err(fault)?;
+    // One thread: the crate's own pool would abort the program if a decoder panicked.
+    for block in chunks.sequential_decompressor(false) {
+        copy_block(&block.map_err(fault)?, &header.channels, channels, &mut image);
+    }
+    convert_primaries(&header, &mut image);
+    Ok(image)
+}
+
+/// The numbers of the channels that become red, green and blue.
+type Rgb = [usize; 3];
+
+/// The first part with colour, and its channels.
+fn choose_part(headers: &[Header]) -> Result<(usize, Rgb), Fault> {
+    let found = headers.iter().enumerate().filter(|(_, header)| !header.deep).find_map(|(part, header)| {
+        let names: Vec<_> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+        Some((part, choose_channels(&names)?))
+    });
+    found.ok_or_else(|| {
+        if headers.iter().all(|header| header.deep) {
+            return Fault::unsupported("deep data is");
+        }
+        let names = headers.iter().flat_map(|header| &header.channels.list).map(|channel| channel.name.to_string());
+        Fault::unsupported(format!(
+            "an image of the channels {} (neither R, G, B nor Y) is",
+            names.collect::<Vec<_>>().join(", ")
+        ))
+    })
+}
+
+/// R, G, B, or else Y; of the layer without a name (`R`) or else the first that has them (`diffuse.R`).
+fn choose_channels(names: &[String]) -> Option<Rgb> {
+    let mut layers: Vec<&str> = names.iter().map(|name| name.rsplit_once('.').map_or("", |(layer, _)| layer)).collect();
+    layers.sort_by_key(|layer| !layer.is_empty());
+    let find = |layer: &str, channel: &str| {
+        names.iter().position(|name| match name.rsplit_once('.') {
+            Some((prefix, last)) => prefix == layer && last.eq_ignore_ascii_case(channel),
+            None => layer.is_empty() && name.eq_ignore_ascii_case(channel),
+        })
+    };
+    let rgb = |layer: &&str| Some([find(layer, "R")?, find(layer, "G")?, find(layer, "B")?]);
+    let gray = |layer: &&str| find(layer, "Y").map(|y| [y; 3]);
+    layers.iter().find_map(rgb).or_else(|| layers.iter().find_map(gray))
+}
+
+/// Refuses what is not read, and sizes beyond what the file can hold.
+fn check_header(header: &Header, bytes: usize) -> Result<(), Fault> {
+    if matches!(header.compression, Compression::HTJ2K32 | Compression::HTJ2K256) {
+        return Err(Fault::unsupported("HTJ2K compression is"));
+    }
+    if let Some(channel) = header.channels.list.iter().find(|channel| channel.sampling != Vec2(1, 1)) {
+        return Err(Fault::unsupported(format!("the subsampled channel {} is", channel.name)));
+    }
+    let bytes_per_pixel = header.channels.bytes_per_pixel.max(1);
+    let Vec2(width, height) = header.layer_size;
+    check_size(width, height, bytes, (MAX_EXPANSION / bytes_per_pixel).max(1))
+}
+
+/// A block holds its lines from the top, and of each line the channels in turn.
+fn copy_block(block: &UncompressedBlock, channels: &ChannelList, rgb: Rgb, image: &mut Image) {
+    let BlockIndex { pixel_position: Vec2(left, _), pixel_size: Vec2(columns, _), .. } = block.index;
+    for (bytes, LineIndex { channel, position: Vec2(_, row), .. }) in LineIndex::lines_in_block(block.index, channels) {
+        let start = row * image.width + left;
+        let (Some(pixels), Some(samples)) = (image.pixels.get_mut(start..start + columns), block.data.get(bytes))
+        else {
+            return;
+        };
+        for target in (0..3).filter(|&target| rgb[target] == channel) {
+            copy_samples(samples, channels.list[channel].sample_type, pixels, target);
+        }
+    }
+}
+
+/// Samples are in the byte order of this machine. An unsigned integer counts as its value.
+fn copy_samples(samples: &[u8], sample_type: SampleType, pixels: &mut [[f32; 3]], target: usize) {
+    let pixels = pixels.iter_mut().map(|pixel| &mut pixel[target]);
+    match sample_type {
+        SampleType::F16 => {
+            for (pixel, &sample) in pixels.zip(samples.as_chunks().0) {
+                *pixel = f16::from_ne_bytes(sample).to_f32();
+            }
+        }
+        SampleType::F32 => {
+            for (pixel, &sample) in pixels.zip(samples.as_chunks().0) {
+                *pixel = f32::from_ne_bytes(sample);
+            }
+        }
+        SampleType::U32 => {
+            for (pixel, &sample) in pixels.zip(samples.as_chunks().0) {
+                *pixel = u32::from_ne_bytes(sample) as f32;
+            }
+        }
+    }
+}
+
+fn convert_primaries(header: &Header, image: &mut Image) {
+    let Some(all) = header.shared_attributes.chromaticities else { return };
+    let xy = [all.red, all.green, all.blue, all.white].map(|Vec2(x, y)| [x, y].map(f64::from));
+    if let Some(matrix) = primaries::to_srgb(xy) {
+        image.pixels.iter_mut().for_each(|pixel| *pixel = primaries::convert(matrix, *pixel));
+    }
+}
+
+fn fault(error: ExrError) -> Fault {
+    match error {
+        ExrError::NotSupported(what) => Fault::unsupported(format!("{what} is")),
+        ExrError::Invalid(what) => Fault::malformed(what.into_owned()),
+        ExrError::Io(error) => Fault::malformed(error.to_string()),
+        ExrError::Aborted => Fault::malformed("reading stopped"),
+    }
+}

@@ -1,0 +1,134 @@
+//! Checking a source and dropping what cannot be used.
+
+use std::collections::HashSet;
+
+use super::{MeshReport, MeshSource, corners, weld_positions};
+use crate::Error;
+
+/// A face is degenerate if twice its area is at most about this fraction of its longest edge squared. Three points on a line, rounded
+/// to `f32` far from the origin, must fall below it; a sliver of 1 : 10⁶ must not.
+const DEGENERATE_ASPECT: f64 = 1e-9;
+
+/// Checks that arrays that belong together have one length and that faces point at vertices.
+pub(super) fn check_shapes(source: &MeshSource) -> Result<(), Error> {
+    let vertex_count = source.positions.len();
+    if u32::try_from(vertex_count).is_err() {
+        return Err(Error::InconsistentMesh(format!("{vertex_count} vertices; at most {} are supported", u32::MAX)));
+    }
+    for (what, length) in
+        [("normals", source.normals.len()), ("uvs", source.uvs.len()), ("albedo", source.albedo.len())]
+    {
+        if length != 0 && length != vertex_count {
+            return Err(Error::InconsistentMesh(format!("{length} {what} for {vertex_count} vertices")));
+        }
+    }
+    let past_end =
+        source.triangles.iter().position(|triangle| triangle.iter().any(|&vertex| vertex as usize >= vertex_count));
+    match past_end {
+        Some(face) => Err(Error::InconsistentMesh(format!(
+            "face {face} uses vertices {:?}, but there are {vertex_count}",
+            source.triangles[face]
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Drops faces that are not finite, have no area, or repeat an earlier one.
+pub(super) fn drop_bad_faces(source: &mut MeshSource, report: &mut MeshReport) -> Result<(), Error> {
+    let given = source.triangles.len();
+    let welded = weld_positions(&source.positions);
+    let mut seen = HashSet::with_capacity(given);
+    let positions = &source.positions;
+    source.triangles.retain(|&triangle| {
+        let counter = if !is_finite(positions, triangle) {
+            &mut report.non_finite
+        } else if is_degenerate(positions, triangle) {
+            &mut report.degenerate
+        } else if !seen.insert(smallest_first(triangle.map(|vertex| welded[vertex as usize]))) {
+            &mut report.duplicate
+        } else {
+            return true;
+        };
+        *counter += 1;
+        false
+    });
+    if source.triangles.is_empty() {
+        return Err(Error::EmptyMesh { reason: why_empty(given, report) });
+    }
+    Ok(())
+}
+
+fn why_empty(given: usize, report: &MeshReport) -> String {
+    match given {
+        0 => "it has no faces".to_owned(),
+        _ => format!("of {given} faces, {} are degenerate and {} not finite", report.degenerate, report.non_finite),
+    }
+}
+
+/// A position so large that its square overflows is as useless as an infinite one.
+fn is_finite(positions: &[[f64; 3]], triangle: [u32; 3]) -> bool {
+    const LARGEST: f64 = 1e100;
+    triangle.iter().flat_map(|&vertex| positions[vertex as usize]).all(|coordinate| coordinate.abs() < LARGEST)
+}
+
+/// Edges are measured in units of the longest one, so that nothing over- or underflows at any scale.
+fn is_degenerate(positions: &[[f64; 3]], triangle: [u32; 3]) -> bool {
+    let [a, b, c] = corners(positions, triangle);
+    let edges = [b - a, c - b, a - c];
+    let unit = edges.iter().map(|edge| edge.abs().max_element()).fold(0.0, f64::max);
+    unit == 0.0 || (edges[0] / unit).cross(edges[1] / unit).length() <= DEGENERATE_ASPECT
+}
+
+/// The same cycle of three, starting with the smallest: equal for faces that differ only in which corner comes first.
+fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a <= b && a <= c {
+        [a, b, c]
+    } else if b <= a && b <= c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Drops vertices that no face uses; the others keep their order.
+pub(super) fn drop_unused_vertices(source: &mut MeshSource, report: &mut MeshReport) {
+    let mut used = vec![false; source.positions.len()];
+    source.triangles.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
+    report.vertices_unused = used.iter().filter(|&&used| !used).count();
+    if report.vertices_unused == 0 {
+        return;
+    }
+    retain(&mut source.positions, &used);
+    retain(&mut source.normals, &used);
+    retain(&mut source.uvs, &used);
+    retain(&mut source.albedo, &used);
+    let new_number = new_numbers(&used);
+    source.triangles.iter_mut().flatten().for_each(|vertex| *vertex = new_number[*vertex as usize]);
+}
+
+fn new_numbers(used: &[bool]) -> Vec<u32> {
+    let mut next = 0;
+    let number = |&used: &bool| {
+        let number = next;
+        next += u32::from(used);
+        number
+    };
+    used.iter().map(number).collect()
+}
+
+fn retain<T>(values: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    values.retain(|_| *keep.next().unwrap_or(&false));
+}
+
+/// Fills in the albedo that the file does not give, and limits the rest to 0 to 1.
+pub(super) fn complete_albedo(albedo: &mut Vec<[f32; 3]>, vertex_count: usize, default: [f32; 3]) {
+    albedo.resize(vertex_count, default);
+    for value in albedo {
+        *value = if value.iter().all(|channel| channel.is_finite()) {
+            value.map(|channel| channel.clamp(0.0, 1.0))
+        } else {
+            default
+        };
+    }
+}

@@ -1,0 +1,82 @@
+//! What to bake, and how.
+
+use sh_core::Order;
+
+use crate::Error;
+
+/// Settings of a bake of diffuse transfer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeOptions {
+    /// Number of bands `n`; 1 to [`BakeOptions::MAX_ORDER`].
+    pub order: Order,
+    /// Directions over the hemisphere above each vertex; 1 to [`BakeOptions::MAX_RAYS`]. The one set of directions that all vertices share has twice
+    /// as many over the sphere, rounded up to a multiple of 64.
+    pub rays_per_vertex: usize,
+    /// Whether surfaces shadow one another. Without, transfer follows from the normals alone, exactly, and no ray is traced.
+    pub shadowed: bool,
+    /// Diffuse interreflections that are followed; 0 is direct light alone. Needs `shadowed`.
+    pub bounces: usize,
+    /// Keep the transfer of direct light beside the one with interreflections, so that a viewer can switch between them.
+    pub keep_shadowed: bool,
+    /// Rotates the set of directions. Same seed and options, same bytes, for any number of threads.
+    pub seed: u64,
+    /// Number of threads; all that the machine has if `None`.
+    pub threads: Option<usize>,
+}
+
+impl BakeOptions {
+    /// Largest order that is baked: 1,024 coefficients.
+    pub const MAX_ORDER: usize = 32;
+    /// Most rays per vertex.
+    pub const MAX_RAYS: usize = 1 << 20;
+    /// Most bounces: at albedo 0.98 light is down to a hundredth.
+    pub const MAX_BOUNCES: usize = 256;
+
+    /// A quick look: 512 rays, order 5.
+    #[must_use]
+    pub fn preview() -> Self {
+        Self { rays_per_vertex: 512, order: order(5), ..Self::default() }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        let fail = |message: String| Err(Error::Option(message));
+        if self.order.get() > Self::MAX_ORDER {
+            return fail(format!("order {} is above the largest that is baked, {}", self.order, Self::MAX_ORDER));
+        }
+        if !(1..=Self::MAX_RAYS).contains(&self.rays_per_vertex) {
+            return fail(format!("{} rays per vertex; 1 to {} are possible", self.rays_per_vertex, Self::MAX_RAYS));
+        }
+        if self.bounces > Self::MAX_BOUNCES {
+            return fail(format!("{} bounces; at most {} are possible", self.bounces, Self::MAX_BOUNCES));
+        }
+        if self.bounces > 0 && !self.shadowed {
+            return fail(format!(
+                "{} bounces without shadows: interreflection needs the rays of shadowed transfer",
+                self.bounces
+            ));
+        }
+        if self.threads == Some(0) {
+            return fail("0 threads; at least 1 is needed".to_owned());
+        }
+        Ok(())
+    }
+}
+
+impl Default for BakeOptions {
+    /// Shadowed transfer of order 6 from 4,096 rays a vertex, direct light alone, seed 0, all threads.
+    fn default() -> Self {
+        Self {
+            order: order(6),
+            rays_per_vertex: 4096,
+            shadowed: true,
+            bounces: 0,
+            keep_shadowed: false,
+            seed: 0,
+            threads: None,
+        }
+    }
+}
+
+fn order(n: usize) -> Order {
+    Order::new(n).expect("1 to 32 is an order")
+}

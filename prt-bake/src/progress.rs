@@ -1,0 +1,27 @@
+//! Telling a caller how far a bake is, and hearing that it should stop.
+
+/// One sweep over all vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pass {
+    /// Rays towards the light.
+    Direct,
+    /// Light that arrives after this many reflections, from 1.
+    Bounce(usize),
+}
+
+/// Hears how a bake goes on, from any of its threads.
+pub trait Progress: Sync {
+    /// A pass over `vertex_count` vertices begins.
+    fn start(&self, _pass: Pass, _vertex_count: usize) {}
+
+    /// `vertices` more are done; `rays` were traced for them.
+    fn advance(&self, _vertices: usize, _rays: u64) {}
+
+    /// Whether to stop; asked several times a second.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Nobody listens, nobody stops the bake.
+impl Progress for () {}
