@@ -1,1 +1,6 @@
-//! benches
+//! Research runs: each redoes a table or a curve from a command, `cargo run --release -p prt-benches --bin repro -- NAME`.
+
+mod output;
+mod runs;
+
+pub use runs::{RUNS, Run};

@@ -1,4 +1,19 @@
 //! Bakes precomputed radiance transfer of triangle meshes, and reads and writes baked files.
+//!
+//! The way through the crate: [`load_mesh`] reads a file into a [`MeshSource`]; [`Mesh::new`] checks, cleans and completes it;
+//! [`bake_diffuse`] makes a [`BakedSurface`], which [`BakedSurface::write`] puts into one file `*.prt`. [`Environment`] gives the light
+//! vectors that a baked surface is lit with. [`Scene`] answers rays.
+//!
+//! # Conventions
+//!
+//! Those of [`sh_core`]. Transfer is `1/π ∫ V(s) max(n·s, 0) y(s) ds` plus what other surfaces reflect, with *their* albedo: it holds
+//! the `1/π` of the diffuse BRDF and never the albedo of the receiving vertex, so that exit radiance is `albedo · (transfer · light)`.
+//! Radiance is linear and relative to the scene. Surfaces are one-sided: the back of a face occludes and is black.
+//!
+//! # Features
+//!
+//! - `trace` (default): ray tracing and baking. Without it meshes, images and the baked file remain.
+//! - `parallel` (default): several threads. Without it baking runs on the calling thread, with the same result.
 
 mod atomic;
 #[cfg(feature = "trace")]
@@ -33,3 +48,7 @@ pub use progress::{Pass, Progress};
 #[cfg(feature = "trace")]
 pub use scene::{Hit, Scene};
 pub use transfer::TransferVectors;
+
+#[cfg(all(doctest, feature = "trace"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -2,6 +2,7 @@
 
 use sh_core::Order;
 
+#[cfg(feature = "trace")]
 use crate::Error;
 
 /// Settings of a bake of diffuse transfer.
@@ -38,6 +39,7 @@ impl BakeOptions {
         Self { rays_per_vertex: 512, order: order(5), ..Self::default() }
     }
 
+    #[cfg(feature = "trace")]
     pub(crate) fn validate(&self) -> Result<(), Error> {
         let fail = |message: String| Err(Error::Option(message));
         if self.order.get() > Self::MAX_ORDER {

@@ -42,7 +42,7 @@ impl TransferVectors {
 
     /// The unshadowed transfer of a surface that turns to `normals`: `1/π ∫ max(n·s, 0) y(s) ds`, exact, from no rays.
     ///
-    /// Source: [SKS02] eq. 6, [Ramamoorthi and Hanrahan 2001].
+    /// Source: [SKS02](sh_core#references) eq. 6, [RH01](sh_core#references).
     #[must_use]
     pub fn unshadowed(order: Order, normals: &[[f32; 3]]) -> Self {
         let mut transfer = Self::zero(normals.len(), 1, order);

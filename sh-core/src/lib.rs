@@ -51,9 +51,9 @@
 //!
 //! # Zonal functions
 //!
-//! A zonal function about +z has the coefficients `g_l` of its `y_l0`. About an axis `a` it is
-//! `f_lm = √(4π/(2l+1)) g_l y_lm(a)` ([`expand_zonal`]). The *lobe coefficients* of [SLS05](crate#references) eq. 4 and 6 are
-//! `g*_l = √(4π/(2l+1)) g_l` ([`lobe_from_zonal`]): these are what is stored for lobes, and `f_lm = g*_l y_lm(a)` ([`expand_lobe`]).
+//! A zonal function about +z has the coefficients `g_l` of its `y_l0`. About an axis `a` it is `f_lm = √(4π/(2l+1)) g_l
+//! y_lm(a)` ([`expand_zonal`]). The *lobe coefficients* of [SLS05](crate#references) eq. 4 and 6 are `g*_l = √(4π/(2l+1))
+//! g_l` ([`lobe_from_zonal`]): these are what is stored for lobes, and `f_lm = g*_l y_lm(a)` ([`expand_lobe`]).
 //!
 //! # Rotation
 //!
@@ -63,8 +63,8 @@
 //! # Precision
 //!
 //! Everything is generic over [`Real`], that is `f32` and `f64`. Evaluation uses fully normalised recurrences in `x, y, z`:
-//! no angles, no trigonometry, no division by `sin theta`, so the poles are ordinary points. Sums over maps and quadrature points
-//! are taken in `f64`, and rotations are built in `f64`, whatever the type of the coefficients.
+//! no angles, no trigonometry, no division by `sin theta`, so the poles are ordinary points. Sums over maps and quadrature
+//! points are taken in `f64`, and rotations are built in `f64`, whatever the type of the coefficients.
 //!
 //! # Features
 //!
@@ -82,32 +82,33 @@
 //!
 //! - **\[SKS02\]** P.-P. Sloan, J. Kautz, J. Snyder. *Precomputed Radiance Transfer for Real-Time Rendering in Dynamic,
 //!   Low-Frequency Lighting Environments.* ACM Transactions on Graphics 21(3) (SIGGRAPH), 2002.
-//!   <https://doi.org/10.1145/566654.566612>. Erratum: the volume transfer of section 7 as printed lacks the scattering coefficient, the
-//!   path length and the factor 1/N, so its first bounce is 2-4 times too bright and depends on the grid.
-//! - **\[SLS05\]** P.-P. Sloan, B. Luna, J. Snyder. *Local, Deformable Precomputed Radiance Transfer.*
-//!   ACM Transactions on Graphics 24(3) (SIGGRAPH), 2005. <https://doi.org/10.1145/1186822.1073335>. Note: the membrane's `g*_l` of
-//!   eq. 23 are already divided by π.
-//! - **\[KKP05\]** J. Křivánek, J. Konttinen, S. Pattanaik, K. Bouatouch, J. Žára. *Fast Approximation to Spherical Harmonics Rotation.*
-//!   IRISA research report 1728, 2005; Spring Conference on Computer Graphics, 2006, <https://doi.org/10.1145/2602161.2602167>; sketch at
-//!   SIGGRAPH 2006, <https://doi.org/10.1145/1179849.1180042>. Erratum: the limit `1.25 a` for the angle (Appendix B) ignores the order;
-//!   the worst error is about `0.25 ((n−1)β)²`, so a tolerance `e` allows `β ≤ 2√e/(n−1)`.
-//! - **\[WXZ06\]** J. Wang, K. Xu, K. Zhou, S. Lin, S. Hu, B. Guo. *Spherical Harmonics Scaling.* The Visual Computer 22(9-11),
-//!   2006. <https://doi.org/10.1007/s00371-006-0057-8>. Note: truncated scaling matrices do not compose; scale from the captured
-//!   expansion.
-//! - **\[NSSF07\]** D. Nowrouzezahrai, P. Simari, E. Kalogerakis, K. Singh, E. Fiume. *Compact and Efficient Generation of Radiance
-//!   Transfer for Dynamically Articulated Characters.* GRAPHITE, 2007.
-//!   <http://www.dgp.toronto.edu/~derek/Graphite07_DynamicShadowing.html>. Erratum: table 2 counts a megabyte as 1,024,000 bytes in some
-//!   columns and as 2²⁰ in the Armadillo's.
-//! - **\[IR96\]** J. Ivanic, K. Ruedenberg. *Rotation Matrices for Real Spherical Harmonics. Direct Determination by Recursion.*
-//!   The Journal of Physical Chemistry 100(15), 1996. <https://doi.org/10.1021/jp953350u>. Errata: *Additions and Corrections*, The Journal
-//!   of Physical Chemistry A 102(45), 1998, <https://doi.org/10.1021/jp9833350>, replace the tables of `u, v, w` and `U, V, W`, and are
-//!   themselves reported to be misprinted in `V` for m < 0. The form used here is proved by tests: its factors are orthonormal, and rotation
-//!   commutes with evaluation.
+//!   <https://doi.org/10.1145/566654.566612>. Erratum: the volume transfer of section 7 as printed lacks the scattering
+//!   coefficient, the path length and the factor 1/N, so its first bounce is 2-4 times too bright and depends on the grid.
+//! - **\[SLS05\]** P.-P. Sloan, B. Luna, J. Snyder. *Local, Deformable Precomputed Radiance Transfer.* ACM Transactions on
+//!   Graphics 24(3) (SIGGRAPH), 2005. <https://doi.org/10.1145/1186822.1073335>. Note: the membrane's `g*_l` of eq. 23 are
+//!   already divided by π.
+//! - **\[KKP05\]** J. Křivánek, J. Konttinen, S. Pattanaik, K. Bouatouch, J. Žára. *Fast Approximation to Spherical
+//!   Harmonics Rotation.* IRISA research report 1728, 2005; Spring Conference on Computer Graphics, 2006,
+//!   <https://doi.org/10.1145/2602161.2602167>; sketch at SIGGRAPH 2006, <https://doi.org/10.1145/1179849.1180042>.
+//!   Erratum: the limit `1.25 a` for the angle (Appendix B) ignores the order; the worst error is about `0.25 ((n−1)β)²`,
+//!   so a tolerance `e` allows `β ≤ 2√e/(n−1)`.
+//! - **\[WXZ06\]** J. Wang, K. Xu, K. Zhou, S. Lin, S. Hu, B. Guo. *Spherical Harmonics Scaling.* The Visual Computer
+//!   22(9-11), 2006. <https://doi.org/10.1007/s00371-006-0057-8>. Note: truncated scaling matrices do not compose; scale
+//!   from the captured expansion.
+//! - **\[NSSF07\]** D. Nowrouzezahrai, P. Simari, E. Kalogerakis, K. Singh, E. Fiume. *Compact and Efficient Generation of
+//!   Radiance Transfer for Dynamically Articulated Characters.* GRAPHITE, 2007.
+//!   <http://www.dgp.toronto.edu/~derek/Graphite07_DynamicShadowing.html>. Erratum: table 2 counts a megabyte as 1,024,000
+//!   bytes in some columns and as 2²⁰ in the Armadillo's.
+//! - **\[IR96\]** J. Ivanic, K. Ruedenberg. *Rotation Matrices for Real Spherical Harmonics. Direct Determination by
+//!   Recursion.* The Journal of Physical Chemistry 100(15), 1996. <https://doi.org/10.1021/jp953350u>. Errata: *Additions
+//!   and Corrections*, The Journal of Physical Chemistry A 102(45), 1998, <https://doi.org/10.1021/jp9833350>, replace the
+//!   tables of `u, v, w` and `U, V, W`, and are themselves reported to be misprinted in `V` for m < 0. The form used here
+//!   is proved by tests: its factors are orthonormal, and rotation commutes with evaluation.
 //! - **\[Slo08\]** P.-P. Sloan. *Stupid Spherical Harmonics (SH) Tricks.* Game Developers Conference, 2008.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
-//! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical Engineering
-//!   30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
+//! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
+//!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
 
 #![no_std]
 #![cfg_attr(

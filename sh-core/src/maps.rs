@@ -6,8 +6,9 @@ use crate::Real;
 
 /// A latitude-longitude map, y up, oriented as Mitsuba's `envmap`.
 ///
-/// `u = atan2(x, −z) / 2π` in `[0, 1)`, `v = acos(y) / π`: the top row is +y, the left edge is −z, and x grows to the right of it:
-/// at `v = ½`, `u = 0, ¼, ½, ¾` are −z, +x, +z, −x. Texel (0, 0) is at the top left, images are row-major: `pixels[row * width + column]`.
+/// `u = atan2(x, −z) / 2π` in `[0, 1)`, `v = acos(y) / π`: the top row is +y, the left edge is −z, and x grows to the right
+/// of it: at `v = ½`, `u = 0, ¼, ½, ¾` are −z, +x, +z, −x. Texel (0, 0) is at the top left, images are row-major:
+/// `pixels[row * width + column]`.
 ///
 /// Continuous texel coordinates put the centre of texel `i` at `i + ½`.
 ///
@@ -41,7 +42,8 @@ impl LatLong {
 
     /// The continuous texel coordinates of a direction, in `[0, width)` and `[0, height]`.
     ///
-    /// The direction need not be of unit length. At the poles, and for the zero vector, the longitude is that of `atan2(±0, ±0)`.
+    /// The direction need not be of unit length. At the poles, and for the zero vector, the longitude is that of `atan2(±0,
+    /// ±0)`.
     pub fn texel(&self, [x, y, z]: [f64; 3]) -> (f64, f64) {
         let mut u = x.atan2(-z) / TAU;
         if u < 0.0 {
@@ -67,16 +69,16 @@ impl LatLong {
 
 /// A cube map: six square faces in the order +x −x +y −y +z −z.
 ///
-/// Faces are oriented as OpenGL's, which is how images named `px nx py ny pz nz` are stored: with `s` to the right and `t` down, both in
-/// `[−1, 1]`, the direction before normalisation is
+/// Faces are oriented as OpenGL's, which is how images named `px nx py ny pz nz` are stored: with `s` to the right and `t`
+/// down, both in `[−1, 1]`, the direction before normalisation is
 ///
 /// | face | 0: +x | 1: −x | 2: +y | 3: −y | 4: +z | 5: −z |
 /// |---|---|---|---|---|---|---|
 /// | `(x, y, z)` | `(1, −t, −s)` | `(−1, −t, s)` | `(s, 1, t)` | `(s, −1, −t)` | `(s, −t, 1)` | `(−s, −t, −1)` |
 ///
-/// OpenGL's convention is left-handed: photographs that are stored like this surround a viewer in a right-handed scene as their mirror image, while
-/// [`LatLong`] shows them as they are. Where that matters, negate x, of directions, or of a light with
-/// `ShRotation` and the matrix diag(−1, 1, 1).
+/// OpenGL's convention is left-handed: photographs that are stored like this surround a viewer in a right-handed scene as
+/// their mirror image, while [`LatLong`] shows them as they are. Where that matters, negate x, of directions, or of a light
+/// with `ShRotation` and the matrix diag(−1, 1, 1).
 ///
 /// Each face is row-major: `face[row * size + column]`. Continuous texel coordinates put the centre of texel `i` at `i + ½`.
 ///
@@ -119,7 +121,8 @@ impl CubeMap {
 
     /// The face of a direction, and its continuous texel coordinates there, in `[0, size]`.
     ///
-    /// The direction need not be of unit length. On an edge either face may be given; the zero vector gives the middle of face 0.
+    /// The direction need not be of unit length. On an edge either face may be given; the zero vector gives the middle of
+    /// face 0.
     pub fn texel(&self, direction: [f64; 3]) -> (usize, f64, f64) {
         let [x, y, z] = direction.map(f64::abs);
         let axis = if x >= y && x >= z {
@@ -161,7 +164,8 @@ impl CubeMap {
     }
 }
 
-/// The solid angle of a triangle seen from the origin; `volume` is the determinant of its corners. No cancellation for thin ones.
+/// The solid angle of a triangle seen from the origin; `volume` is the determinant of its corners. No cancellation for thin
+/// ones.
 fn triangle(a: [f64; 3], b: [f64; 3], c: [f64; 3], volume: f64) -> f64 {
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     let length = |p| Real::sqrt(dot(p, p));

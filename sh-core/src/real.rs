@@ -9,8 +9,8 @@ mod sealed {
     pub trait Sealed {
         /// Largest order that the recurrence evaluates in this type; above it, it works in `f64` and rounds.
         ///
-        /// Near a pole the recurrence multiplies the tiny `sin^m theta` by factors of up to `10^(0.21 n)`. Both must fit the range
-        /// of the type without losing a value that matters: `10^(0.21·128) · 1e-38 < 1e-11` in `f32`, and
+        /// Near a pole the recurrence multiplies the tiny `sin^m theta` by factors of up to `10^(0.21 n)`. Both must fit
+        /// the range of the type without losing a value that matters: `10^(0.21·128) · 1e-38 < 1e-11` in `f32`, and
         /// `10^(0.21·512) · 1e-308 < 1e-200` in `f64`.
         const NATIVE_ORDER: usize;
     }

@@ -7,8 +7,8 @@ use crate::Real;
 
 /// Points and weights that integrate polynomials on the sphere exactly.
 ///
-/// A product rule: Gauss-Legendre in `z`, equally spaced in longitude. A product of two expansions of order `n` is a polynomial of
-/// degree `2(n − 1)`.
+/// A product rule: Gauss-Legendre in `z`, equally spaced in longitude. A product of two expansions of order `n` is a
+/// polynomial of degree `2(n − 1)`.
 ///
 /// ```
 /// let quadrature = sh_core::Quadrature::new(4);

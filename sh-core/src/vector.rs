@@ -8,8 +8,8 @@ const LANES: usize = 8;
 
 /// The dot product of two vectors of the same length.
 ///
-/// For two expansions it is the integral of their product over the sphere (the basis is orthonormal); for a transfer vector and
-/// a light it is the transferred radiance. Eight partial sums, always in the same order.
+/// For two expansions it is the integral of their product over the sphere (the basis is orthonormal); for a transfer vector
+/// and a light it is the transferred radiance. Eight partial sums, always in the same order.
 ///
 /// # Panics
 /// If the lengths differ.

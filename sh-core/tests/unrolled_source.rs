@@ -11,9 +11,9 @@ const MAX_ORDER: usize = 10;
 const HEADER: &str = "\
 //! Straight-line kernels for small orders. Written by `tests/unrolled_source.rs`: change that program, not this file.
 //!
-//! For m ≥ 0, `y_lm = p cos`, `y_l−m = p sin`, with `cos + i sin = (x + iy)^m` and `p` a polynomial: `p(v)` for even l − m, `z p(v)` for odd, where
-//! `v = 2z² − 1`. In `v` the coefficients are small, and its rounding near the poles costs a quarter of that of z.
-//! Column `m` of every order is one function, cut off at the constant order `N`.
+//! For m ≥ 0, `y_lm = p cos`, `y_l−m = p sin`, with `cos + i sin = (x + iy)^m` and `p` a polynomial: `p(v)` for even l − m,
+//! `z p(v)` for odd, where `v = 2z² − 1`. In `v` the coefficients are small, and its rounding near the poles costs a
+//! quarter of that of z. Column `m` of every order is one function, cut off at the constant order `N`.
 
 use crate::{Order, Real, dot};
 ";
@@ -63,8 +63,8 @@ fn polynomial_argument<T: Real>([x, y, z]: [T; 3]) -> T {
 
 fn source() -> String {
     let mut source = String::from(HEADER);
-    write!(source, "\n/// The largest order that has a kernel.\n#[cfg(feature = \"alloc\")]\npub(super) const MAX_ORDER: usize = {MAX_ORDER};\n")
-        .unwrap();
+    source += "\n/// The largest order that has a kernel.\n#[cfg(feature = \"alloc\")]\n";
+    writeln!(source, "pub(super) const MAX_ORDER: usize = {MAX_ORDER};").unwrap();
     let arms = |arm: fn(usize) -> String| (1..=MAX_ORDER).map(arm).collect::<String>();
     let eval = arms(|n| format!("        {n} => kernel::<T, {n}>(direction, out),\n"));
     let reconstruct = arms(|n| format!("        {n} => sum::<T, {n}, {}>(coeffs, direction),\n", n * n));

@@ -1,8 +1,6 @@
-//! Zonal-lobe fits of transfer vectors, after [SLS05].
+//! Zonal-lobe fits of transfer vectors, after [SLS05](sh_core#references).
 //!
 //! This version holds the one fit that needs no solver, the optimal linear lobe; sums of several lobes come with the general fit.
-//!
-//! [SLS05]: P.-P. Sloan, B. Luna, J. Snyder. *Local, Deformable Precomputed Radiance Transfer*. SIGGRAPH 2005.
 
 mod linear_lobe;
 

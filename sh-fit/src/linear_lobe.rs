@@ -7,7 +7,7 @@ use sh_core::{Order, index};
 pub struct ZonalLobe {
     /// Unit length, in the frame of the function that was fitted.
     pub axis: [f64; 3],
-    /// Lobe coefficients `g*_l` `[n]`: the lobe has the coefficients `g*_l y_lm(axis)`. Source: [SLS05] eq. 6.
+    /// Lobe coefficients `g*_l` `[n]`: the lobe has the coefficients `g*_l y_lm(axis)`. Source: [SLS05](sh_core#references) eq. 6.
     pub coeffs: Vec<f64>,
 }
 
@@ -23,7 +23,7 @@ pub struct ZonalLobe {
 /// # Panics
 /// If `coeffs` does not have `n²` entries.
 ///
-/// Source: [SLS05] eq. 18 and section 3.2.
+/// Source: [SLS05](sh_core#references) eq. 18 and section 3.2.
 #[must_use]
 pub fn optimal_linear_lobe(order: Order, coeffs: &[f64]) -> ZonalLobe {
     assert_eq!(coeffs.len(), order.coeff_count(), "order {order} has n² coefficients");

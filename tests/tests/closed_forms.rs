@@ -144,7 +144,8 @@ fn facing_disks_light_each_other() {
 #[test]
 fn in_a_bowl_every_point_receives_the_same_reflected_light() {
     for case in ClosedForms::load().unwrap().bowl {
-        let mesh = SceneBuilder::default().add(bowl(case.opening_half_angle_degrees, 24), [case.albedo; 3]).build().unwrap();
+        let mesh =
+            SceneBuilder::default().add(bowl(case.opening_half_angle_degrees, 24), [case.albedo; 3]).build().unwrap();
         let order = order(case.pass_1_zonal.len());
         let passes: Vec<BakedSurface> = (0..3).map(|bounces| bake(&mesh, order.get(), 2048, bounces)).collect();
         for vertex in (0..mesh.positions().len()).step_by(41) {

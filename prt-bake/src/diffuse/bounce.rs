@@ -24,7 +24,7 @@ impl<'a> Bounces<'a> {
     }
 
     /// One more bounce: `M_b(p) = Σ w ρ(q) M_{b-1}(q)` over the hits `q` of `p`. Returns the length of what it added, relative
-    /// to the direct transfer. Source: [SKS02] section 5.
+    /// to the direct transfer. Source: [SKS02](sh_core#references) section 5.
     pub(super) fn next(
         &mut self,
         hits: &[Vec<HitRecord>],

@@ -1,6 +1,6 @@
 //! Diffuse transfer vectors: unshadowed, shadowed, interreflected.
 //!
-//! `T = 1/π ∫ V(s) max(n·s, 0) y(s) ds`, plus what other surfaces reflect towards the point. Source: [SKS02] sections 4.1 and 5.
+//! `T = 1/π ∫ V(s) max(n·s, 0) y(s) ds`, plus what other surfaces reflect towards the point. Source: [SKS02](sh_core#references) sections 4.1 and 5.
 
 mod bounce;
 mod direct;

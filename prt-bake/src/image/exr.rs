@@ -79,9 +79,6 @@ fn check_header(header: &Header, bytes: usize) -> Result<(), Fault> {
     if matches!(header.compression, Compression::HTJ2K32 | Compression::HTJ2K256) {
         return Err(Fault::unsupported("HTJ2K compression is"));
     }
-    if let Some(channel) = header.channels.list.iter().find(|channel| channel.sampling != Vec2(1, 1)) {
-        return Err(Fault::unsupported(format!("the subsampled channel {} is", channel.name)));
-    }
     let bytes_per_pixel = header.channels.bytes_per_pixel.max(1);
     let Vec2(width, height) = header.layer_size;
     check_size(width, height, bytes, (MAX_EXPANSION / bytes_per_pixel).max(1))
@@ -134,7 +131,7 @@ fn convert_primaries(header: &Header, image: &mut Image) {
 
 fn fault(error: ExrError) -> Fault {
     match error {
-        ExrError::NotSupported(what) => Fault::unsupported(format!("{what} is")),
+        ExrError::NotSupported(what) => Fault::unsupported(format!("a feature of it ({what}) is")),
         ExrError::Invalid(what) => Fault::malformed(what.into_owned()),
         ExrError::Io(error) => Fault::malformed(error.to_string()),
         ExrError::Aborted => Fault::malformed("reading stopped"),

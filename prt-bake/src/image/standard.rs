@@ -57,6 +57,6 @@ fn fault(error: &ImageError) -> Fault {
         ImageError::Limits(error) if !matches!(error.kind(), LimitErrorKind::Unsupported { .. }) => {
             Fault::unsupported(format!("its size ({error}) is"))
         }
-        error => Fault::malformed(error.to_string()),
+        error => Fault::malformed(error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")),
     }
 }

@@ -57,7 +57,12 @@ impl EarClipper {
                 }
                 let inspected = self.inspect(points, corner, strict, &mut steps);
                 match inspected {
-                    None => return Err(format!("a concave polygon of {} corners with so many crowded together is", points.len())),
+                    None => {
+                        return Err(format!(
+                            "a concave polygon of {} corners with so many crowded together is",
+                            points.len()
+                        ));
+                    }
                     Some(false) => {}
                     Some(true) => {
                         emit([self.previous[corner as usize], corner, self.next[corner as usize]]);

@@ -38,15 +38,15 @@ pub struct MeshOptions {
 }
 
 impl Default for MeshOptions {
-    /// Creases at 60 degrees, albedo 0.8, the file's own normals.
+    /// Creases at 75 degrees, albedo 0.8, the file's own normals.
     fn default() -> Self {
-        Self { crease_angle: 60_f32.to_radians(), albedo: [0.8; 3], recompute_normals: false }
+        Self { crease_angle: 75_f32.to_radians(), albedo: [0.8; 3], recompute_normals: false }
     }
 }
 
 impl MeshOptions {
     fn validate(&self) -> Result<(), Error> {
-        if !(self.crease_angle >= 0.0) {
+        if self.crease_angle.is_nan() || self.crease_angle < 0.0 {
             return Err(Error::Option(format!("crease angle {} must not be negative", self.crease_angle)));
         }
         if !self.albedo.iter().all(|channel| (0.0..=1.0).contains(channel)) {

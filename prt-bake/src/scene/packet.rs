@@ -10,6 +10,12 @@
 //! multiplications and additions are never contracted, so that every machine finds the same hits. They are written as plain loops:
 //! closures inside iterators may be left out of line, and then miss the instruction set that their caller is compiled for.
 
+#![expect(
+    clippy::needless_range_loop,
+    clippy::manual_find,
+    reason = "see above: plain loops over lanes are vectorised"
+)]
+
 use glam::Vec3;
 use multiversion::multiversion;
 

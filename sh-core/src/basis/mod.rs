@@ -16,14 +16,15 @@ use recurrence::Tabled;
 /// - `direction`: unit length, in the frame of the expansion
 /// - `out`: `[n²]`, overwritten
 ///
-/// Straight-line kernels for n ≤ 10, recurrences beyond; does not allocate. For many directions at n > 10, [`Basis`] keeps the factors of
-/// the recurrence and is three to five times faster.
+/// Straight-line kernels for n ≤ 10, recurrences beyond; does not allocate. For many directions at n > 10, [`Basis`] keeps
+/// the factors of the recurrence and is three to five times faster.
 ///
-/// Accuracy, absolute, at every direction: in `f32` 4e-7 for n ≤ 6, 8e-7 for n ≤ 10, 5e-6 for n ≤ 65, 1e-5 beyond; in `f64` 2e-15 for n ≤ 10 and
-/// 1e-13 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
+/// Accuracy, absolute, at every direction: in `f32` 4e-7 for n ≤ 6, 8e-7 for n ≤ 10, 5e-6 for n ≤ 65, 1e-5 beyond; in `f64`
+/// 2e-15 for n ≤ 10 and 1e-13 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
 ///
-/// The direction is not normalised. Of another length than 1 the result is that of some polynomials in `x, y, z` which are the harmonics on the unit
-/// sphere only: finite for the zero vector, infinite or NaN where the input is. There is no panic.
+/// The direction is not normalised. Of another length than 1 the result is that of some polynomials in `x, y, z` which are
+/// the harmonics on the unit sphere only: finite for the zero vector, infinite or NaN where the input is. There is no
+/// panic.
 ///
 /// ```
 /// let mut y = [0.0_f64; 4];

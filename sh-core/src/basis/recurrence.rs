@@ -8,16 +8,17 @@
 //! q_mm = 1,  (l+m) q_lm = (2l−1) z q_l−1,m − (l−1−m) q_l−2,m
 //! ```
 //!
-//! `q` is scaled to be 1 at z = 1 in every band. The plain recurrence for it loses `l²` units there: neighbours are nearly equal, and their difference
-//! comes from `1 − z`, which it never forms. So the difference is what is carried, as Reinsch does for Clenshaw sums:
+//! `q` is scaled to be 1 at z = 1 in every band. The plain recurrence for it loses `l²` units there: neighbours are nearly
+//! equal, and their difference comes from `1 − z`, which it never forms. So the difference is what is carried, as Reinsch
+//! does for Clenshaw sums:
 //!
 //! ```text
 //! δ_l = q_l − q_l−1,   (l+m) δ_l = (l−1−m) δ_l−1 − (2l−1)(1−z) q_l−1
 //! ```
 //!
-//! with `1 − z` from x and y near the pole, where z has lost it. At z < 0 the functions follow by parity, `(−1)^(l+m)`. Everything is normalised, so nothing overflows;
-//! `sin^m theta` is part of `C_m, S_m`, so nothing is divided by it. Columns (fixed `m`) are independent: [`LANES`] of them advance side
-//! by side through the bands.
+//! with `1 − z` from x and y near the pole, where z has lost it. At z < 0 the functions follow by parity, `(−1)^(l+m)`.
+//! Everything is normalised, so nothing overflows; `sin^m theta` is part of `C_m, S_m`, so nothing is divided by it.
+//! Columns (fixed `m`) are independent: [`LANES`] of them advance side by side through the bands.
 
 #[cfg(feature = "alloc")]
 use alloc::vec::Vec;

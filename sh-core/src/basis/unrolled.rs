@@ -1,8 +1,8 @@
 //! Straight-line kernels for small orders. Written by `tests/unrolled_source.rs`: change that program, not this file.
 //!
-//! For m ≥ 0, `y_lm = p cos`, `y_l−m = p sin`, with `cos + i sin = (x + iy)^m` and `p` a polynomial: `p(v)` for even l − m, `z p(v)` for odd, where
-//! `v = 2z² − 1`. In `v` the coefficients are small, and its rounding near the poles costs a quarter of that of z.
-//! Column `m` of every order is one function, cut off at the constant order `N`.
+//! For m ≥ 0, `y_lm = p cos`, `y_l−m = p sin`, with `cos + i sin = (x + iy)^m` and `p` a polynomial: `p(v)` for even l − m,
+//! `z p(v)` for odd, where `v = 2z² − 1`. In `v` the coefficients are small, and its rounding near the poles costs a
+//! quarter of that of z. Column `m` of every order is one function, cut off at the constant order `N`.
 
 use crate::{Order, Real, dot};
 

@@ -1,7 +1,8 @@
 //! Fourier sums over the texels of a row, and rows from Fourier coefficients.
 //!
-//! Columns `k` and `width−1−k` have opposite longitudes: cosines agree there and sines differ in sign. In maps of even width the longitudes of `k`
-//! and `width/2−1−k` add up to half a turn, where the sign depends on the parity of `m` too. So four texels share one column of the tables.
+//! Columns `k` and `width−1−k` have opposite longitudes: cosines agree there and sines differ in sign. In maps of even
+//! width the longitudes of `k` and `width/2−1−k` add up to half a turn, where the sign depends on the parity of `m` too. So
+//! four texels share one column of the tables.
 
 use alloc::vec;
 use alloc::vec::Vec;

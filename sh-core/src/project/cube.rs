@@ -1,8 +1,8 @@
 //! Cube maps to coefficients.
 //!
-//! A cube map has the same texels after mirroring x, y or z, and each `y_i` is even or odd in each of them. So the eight mirror images of
-//! a texel share one evaluation of the basis, and their radiances enter as eight sums, one per pattern of signs, of which `y_i` needs one.
-//! The result is the same for an eighth of the work.
+//! A cube map has the same texels after mirroring x, y or z, and each `y_i` is even or odd in each of them. So the eight
+//! mirror images of a texel share one evaluation of the basis, and their radiances enter as eight sums, one per pattern of
+//! signs, of which `y_i` needs one. The result is the same for an eighth of the work.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,7 +11,8 @@ use crate::maps::FACES;
 use crate::order::assert_length;
 use crate::{Basis, CubeMap, Order};
 
-/// Radiance of the eight mirror images of a texel; bits 0, 1, 2 of the index say whether x, y, z is mirrored. The fourth channel is idle.
+/// Radiance of the eight mirror images of a texel; bits 0, 1, 2 of the index say whether x, y, z is mirrored. The fourth
+/// channel is idle.
 type Octants = [[f64; 4]; 8];
 
 /// Projects a cube map: `light[c, i] = Σ radiance_c(s) y_i(s) ω(s)` over the texels, with the exact solid angle ω of each.

@@ -1,8 +1,8 @@
 //! Latitude-longitude maps to coefficients and back.
 //!
-//! A row is a circle about the map's up axis +y. In a frame whose polar axis is that axis, `y_lm` on a circle is a constant times
-//! `cos(mφ)` or `sin(mφ)`; so a row is first reduced to `2n−1` Fourier sums, which take nearly all the time, and the bands see those only.
-//! The frame is turned back to the basis's +z at the end, exactly.
+//! A row is a circle about the map's up axis +y. In a frame whose polar axis is that axis, `y_lm` on a circle is a constant
+//! times `cos(mφ)` or `sin(mφ)`; so a row is first reduced to `2n−1` Fourier sums, which take nearly all the time, and the
+//! bands see those only. The frame is turned back to the basis's +z at the end, exactly.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,11 +15,13 @@ use crate::{Basis, LatLong, Order, Real, index};
 
 /// The map's frame to the scene's, rows: local +z is up (+y), local +x is the left edge (−z), local +y is −x.
 ///
-/// The longitude of a map runs clockwise about +y: a column's azimuth in this right-handed frame is the negative of its longitude.
+/// The longitude of a map runs clockwise about +y: a column's azimuth in this right-handed frame is the negative of its
+/// longitude.
 const SCENE_FROM_MAP: [[f64; 3]; 3] = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]];
 const MAP_FROM_SCENE: [[f64; 3]; 3] = [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// Projects a latitude-longitude map: `light[c, i] = Σ radiance_c(s) y_i(s) ω(s)` over the texels, with the exact solid angle ω of each.
+/// Projects a latitude-longitude map: `light[c, i] = Σ radiance_c(s) y_i(s) ω(s)` over the texels, with the exact solid
+/// angle ω of each.
 ///
 /// - `pixels`: `[height, width]` row-major, oriented as [`LatLong`] says
 /// - `light`: `[3, n²]`, channel-major, overwritten

@@ -14,7 +14,8 @@ use crate::{Basis, Order, Quadrature, Real};
 
 /// Expands a function that can be evaluated anywhere: `out[i] = Σ w f(s) y_i(s)` over the points of a quadrature.
 ///
-/// - `quadrature`: exact if `f` is a polynomial of degree `d` and the rule's degree is at least `d + n − 1`; else the larger the better
+/// - `quadrature`: exact if `f` is a polynomial of degree `d` and the rule's degree is at least `d + n − 1`; else the
+///   larger the better
 /// - `f`: value at a unit direction
 /// - `out`: `[n²]`, overwritten
 ///

@@ -12,8 +12,8 @@ use crate::{Order, Real, dot};
 ///
 /// Built once for `n(4n²−1)/3` entries, applied to as many vectors as wanted with as many multiplications.
 ///
-/// Accuracy, at every angle: 2e-7 in `f32` for n ≤ 10 and coefficients of unit length; in `f64` the basis at a direction becomes that at the
-/// rotated one to 4e-14 for n ≤ 64 and 2e-13 for n = 200; asserted by `tests/rotation.rs`.
+/// Accuracy, at every angle: 2e-7 in `f32` for n ≤ 10 and coefficients of unit length; in `f64` the basis at a direction
+/// becomes that at the rotated one to 4e-14 for n ≤ 64 and 2e-13 for n = 200; asserted by `tests/rotation.rs`.
 ///
 /// ```
 /// use sh_core::{Order, ShRotation, eval};
@@ -40,9 +40,9 @@ pub struct ShRotation<T> {
 impl<T: Real> ShRotation<T> {
     /// Builds the matrices of all bands, in `f64`.
     ///
-    /// - `matrix`: the rows of `R`. It is first brought to the nearest orthogonal matrix by two Newton steps, so the rounding errors of
-    ///   an `f32` matrix, or anything up to 1e-4, do not grow with the band. Mirror images are as good as rotations. A matrix far from
-    ///   orthogonal gives a meaningless result, a NaN in it gives NaN.
+    /// - `matrix`: the rows of `R`. It is first brought to the nearest orthogonal matrix by two Newton steps, so the
+    ///   rounding errors of an `f32` matrix, or anything up to 1e-4, do not grow with the band. Mirror images are as good
+    ///   as rotations. A matrix far from orthogonal gives a meaningless result, a NaN in it gives NaN.
     ///
     /// Takes `n(4n²−1)/3` numbers of memory, in `f32` 5 kB for n = 10 and 0.7 GB for n = 512.
     pub fn new(order: Order, matrix: [[T; 3]; 3]) -> Self {

@@ -1,25 +1,28 @@
 //! Rotation matrices of the bands, each from the one below.
 //!
-//! The products of the functions of band 1 and of band `l−1` contain band `l`: `y_lm` is a sum of at most five products `y_1i y_l−1,a`, with factors `f`
-//! that are `u, v, w` of [IR96](crate#references) (table 1, and table 2 for the indices, in the 1998 correction). Divided by `√(l(2l−1))` they are a matrix
-//! `C` with orthonormal rows, so
+//! The products of the functions of band 1 and of band `l−1` contain band `l`: `y_lm` is a sum of at most five products
+//! `y_1i y_l−1,a`, with factors `f` that are `u, v, w` of [IR96](crate#references) (table 1, and table 2 for the indices,
+//! in the 1998 correction). Divided by `√(l(2l−1))` they are a matrix `C` with orthonormal rows, so
 //!
 //! ```text
 //! R^l = C (R^1 ⊗ R^(l−1)) Cᵀ
 //! ```
 //!
-//! [IR96](crate#references) keeps `C` on the left, for the rows, and on the right needs one product only, chosen so that it contains nothing but `y_ln` and lower bands:
+//! [IR96](crate#references) keeps `C` on the left, for the rows, and on the right needs one product only, chosen so that it
+//! contains nothing but `y_ln` and lower bands:
 //!
 //! ```text
 //! R^l_mn = (u_lm U + v_lm V + w_lm W) / √d_ln,   d_ln = (l+n)(l−n), or 2l(2l−1) for |n| = l
 //! ```
 //!
-//! where `U, V, W` are sums of values of `P(i; a, n)`, products of band 1's row `i` and row `a` of the band below. That is three times faster, but the
-//! divisor makes errors grow tenfold in ten bands: 1e-11 at band 64, and nothing is left at band 200. With `C` on both sides no step can enlarge
-//! an error. So the bands up to [`IVANIC_BANDS`] are made the first way, those beyond the second.
+//! where `U, V, W` are sums of values of `P(i; a, n)`, products of band 1's row `i` and row `a` of the band below. That is
+//! three times faster, but the divisor makes errors grow tenfold in ten bands: 1e-11 at band 64, and nothing is left at
+//! band 200. With `C` on both sides no step can enlarge an error. So the bands up to [`IVANIC_BANDS`] are made the first
+//! way, those beyond the second.
 //!
-//! [IR96](crate#references) has no Condon-Shortley phase. With it every `y_lm` is multiplied by `(−1)^m`, which is the basis seen after half a turn about z; the
-//! recurrence holds in every frame, so it is enough that band 1 is given in our signs.
+//! [IR96](crate#references) has no Condon-Shortley phase. With it every `y_lm` is multiplied by `(−1)^m`, which is the
+//! basis seen after half a turn about z; the recurrence holds in every frame, so it is enough that band 1 is given in our
+//! signs.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -27,8 +30,14 @@ use core::mem;
 
 use crate::Real;
 
-/// The last band that the recurrence of [IR96](crate#references) makes: its error is below 5e-15 there, measured for all entries.
+/// The last band that the recurrence of [IR96](crate#references) makes: its error is below 5e-15 there, measured for all
+/// entries.
 const IVANIC_BANDS: usize = 16;
+
+/// Rows and columns of band 1 by their `m`.
+const MINUS: usize = 0;
+const ZERO: usize = 1;
+const PLUS: usize = 2;
 
 /// The matrix of one band after the other.
 #[derive(Clone, Debug)]
@@ -94,26 +103,67 @@ impl Bands {
     /// `R^l = C (R^1 ⊗ R^(l−1)) Cᵀ`.
     fn fill_by_coupling(&self, next: &mut [f64]) {
         let l = self.l as isize;
-        let rows_of_c: Vec<_> = (-l..=l).map(|m| terms(l, m)).collect();
-        let scale = 1.0 / (l * (2 * l - 1)) as f64;
-        let mut left = [(); 3].map(|()| vec![0.0; 2 * self.l - 1]);
-        for (row, row_of_c) in next.chunks_exact_mut(2 * self.l + 1).zip(&rows_of_c) {
-            self.multiply_left(row_of_c, &mut left);
-            for (entry, column_of_ct) in row.iter_mut().zip(&rows_of_c) {
-                let product = |term: &Term| term.factor * left[term.i][(self.l - 1).wrapping_add_signed(term.a)];
-                *entry = scale * column_of_ct.iter().map(product).sum::<f64>();
-            }
+        let columns = Columns::new(l);
+        let mut left = [(); 3].map(|()| vec![0.0; 2 * self.l + 3]);
+        for (row, m) in next.chunks_exact_mut(2 * self.l + 1).zip(-l..) {
+            self.multiply_left(terms(l, m), &mut left);
+            columns.multiply_right(&left, row);
         }
     }
 
-    /// A row of `C (R^1 ⊗ R^(l−1))`: for each column `j` of band 1, a row over the columns of the band below.
-    fn multiply_left(&self, row_of_c: &[Term; 5], left: &mut [Vec<f64>; 3]) {
-        for (j, left) in left.iter_mut().enumerate() {
+    /// A row of `C (R^1 ⊗ R^(l−1))`: for each column of band 1, a row over the columns `a` of the band below, with two
+    /// zeros at either end. The one of `m = −1` is in reverse, because it is needed at `−a`.
+    fn multiply_left(&self, row_of_c: [Term; 5], left: &mut [Vec<f64>; 3]) {
+        for (column, left) in left.iter_mut().enumerate() {
+            let left = &mut left[2..2 * self.l + 1];
             left.fill(0.0);
-            for &Term { i, a, factor } in row_of_c {
-                let factor = factor * self.one[i][j];
+            for Term { i, a, factor } in row_of_c {
+                let factor = factor * self.one[i][column];
                 left.iter_mut().zip(self.below(a)).for_each(|(left, below)| *left += factor * below);
             }
+        }
+        left[MINUS][2..2 * self.l + 1].reverse();
+    }
+}
+
+/// `Cᵀ`, by the columns `n = −l..=l` of the result: the factors of `P(i; a, ·)` at `a = n` for `i = 0`, and at `a = n ∓ 1`
+/// for `i = ±1`.
+#[derive(Clone, Debug)]
+struct Columns {
+    middle: Vec<f64>,
+    lower_plus: Vec<f64>,
+    lower_minus: Vec<f64>,
+    upper_plus: Vec<f64>,
+    upper_minus: Vec<f64>,
+}
+
+impl Columns {
+    fn new(l: isize) -> Self {
+        let scale = 1.0 / (l * (2 * l - 1)) as f64;
+        // V is nearer to 0 than n, W is farther.
+        let pick = |negative: usize, positive: usize| {
+            (-l..=l).map(|n| scale * terms(l, n)[if n > 0 { positive } else { negative }].factor).collect()
+        };
+        let (u, [v_plus, v_minus], [w_plus, w_minus]) = (0, [1, 2], [3, 4]);
+        Self {
+            middle: pick(u, u),
+            lower_plus: pick(w_plus, v_plus),
+            lower_minus: pick(w_minus, v_minus),
+            upper_plus: pick(v_plus, w_plus),
+            upper_minus: pick(v_minus, w_minus),
+        }
+    }
+
+    fn multiply_right(&self, [minus, zero, plus]: &[Vec<f64>; 3], row: &mut [f64]) {
+        let size = row.len();
+        let [middle, lower_plus, lower_minus, upper_plus, upper_minus] =
+            [&self.middle, &self.lower_plus, &self.lower_minus, &self.upper_plus, &self.upper_minus]
+                .map(|f| &f[..size]);
+        let ([minus, plus], zero) = ([minus, plus].map(|p| &p[..size + 2]), &zero[..size + 2]);
+        for k in 0..size {
+            row[k] = middle[k] * zero[k + 1]
+                + (lower_plus[k] * plus[k] + lower_minus[k] * minus[k])
+                + (upper_plus[k] * plus[k + 2] + upper_minus[k] * minus[k + 2]);
         }
     }
 }
@@ -151,13 +201,9 @@ impl Term {
     }
 }
 
-/// The row `m` of `√(l(2l−1)) C` for band `l ≥ 2`: the sum `u U + v V + w W`. Terms that are not needed have the factor 0 and name row 0.
+/// The row `m` of `√(l(2l−1)) C` for band `l ≥ 2`: the sum `u U + v V + w W`. Terms that are not needed have the factor 0
+/// and name row 0.
 fn terms(l: isize, m: isize) -> [Term; 5] {
-    /// Rows of band 1 by their `m`.
-    const MINUS: usize = 0;
-    const ZERO: usize = 1;
-    const PLUS: usize = 2;
-
     let root = |product: isize| Real::sqrt(product as f64);
     let abs = m.abs();
     let u = root((l + m) * (l - m));

@@ -1,5 +1,5 @@
-//! A long reference: the basis and the Legendre polynomials in double-double arithmetic (about 32 digits), by the plain three-term
-//! recurrence, which the crate does not use.
+//! A long reference: the basis and the Legendre polynomials in double-double arithmetic (about 32 digits), by the plain
+//! three-term recurrence, which the crate does not use.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -1,0 +1,49 @@
+//! The list of runs. Each is a file of its own.
+
+mod error_against_order;
+mod error_against_rays;
+mod numbers;
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use prt_bake::{Mesh, MeshOptions, load_mesh};
+
+/// One table or curve.
+#[derive(Debug)]
+pub struct Run {
+    /// How it is called.
+    pub name: &'static str,
+    /// What it prints.
+    pub what: &'static str,
+    /// Makes it, for a mesh file or for its own choice.
+    pub run: fn(Option<&str>) -> Result<()>,
+}
+
+/// All runs.
+pub const RUNS: &[Run] = &[
+    Run {
+        name: "readme/numbers",
+        what: "the table of the README: speed and accuracy of the main job",
+        run: numbers::run,
+    },
+    Run {
+        name: "prt/error-against-rays",
+        what: "error and time of shadowed transfer for 64 to 16,384 rays [MESH]",
+        run: error_against_rays::run,
+    },
+    Run {
+        name: "prt/error-against-order",
+        what: "share of the light of an environment that transfer of order 1 to 10 misses [MESH]",
+        run: error_against_order::run,
+    },
+];
+
+/// The mesh that was asked for, or a file of the test data.
+fn mesh(asked: Option<&str>, data_file: &str) -> Result<Mesh> {
+    let path = match asked {
+        Some(path) => Path::new(path).to_owned(),
+        None => prt_tests::data_path("this run", data_file).context("name a mesh file, or set PRT_DATA")?,
+    };
+    Ok(Mesh::new(load_mesh(&path)?, &MeshOptions::default())?.0)
+}
