@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sh_core::{CubeMap, LatLong, Order, project_cube, project_lat_long};
+use sh_core::{CubeMap, LatLong, Order, ShRotation, project_cube, project_lat_long};
 
 use crate::{Error, Image};
 
@@ -18,7 +18,10 @@ pub enum Environment {
     /// A latitude-longitude map, oriented as [`sh_core::LatLong`] says. Its width need not be twice its height: the whole
     /// circle and the whole meridian are stretched over whatever there is.
     LatLong(Image),
-    /// The faces +x −x +y −y +z −z of a cube, oriented as [`sh_core::CubeMap`] says; square and of one size.
+    /// The faces +x −x +y −y +z −z of a cube, square and of one size, as image files hold them.
+    ///
+    /// Their convention, [`sh_core::CubeMap`], is left-handed: seen from inside, right and left are exchanged. A scene is
+    /// right-handed, so the cube is mirrored in x, as engines do that show such faces around one: `px` is seen towards −x.
     Cube(Box<[Image; 6]>),
 }
 
@@ -50,6 +53,7 @@ impl Environment {
             Self::Cube(faces) => {
                 let map = CubeMap { size: faces[0].width };
                 project_cube(order, map, faces.each_ref().map(|face| face.pixels.as_slice()), &mut light);
+                mirror_in_x(order, &mut light);
             }
         }
         light
@@ -68,10 +72,20 @@ impl Environment {
             }
             Self::Cube(faces) => {
                 let map = CubeMap { size: faces[0].width };
-                let (face, x, y) = map.texel(direction);
+                let [x, y, z] = direction;
+                let (face, x, y) = map.texel([-x, y, z]);
                 bilinear(x, y, |column, row| cube_texel(faces, map, face, column, row))
             }
         }
+    }
+}
+
+/// Exchanges +x and −x in each channel of a light vector.
+fn mirror_in_x(order: Order, light: &mut [f32]) {
+    let mirror = ShRotation::new(order, [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    for channel in light.chunks_exact_mut(order.coeff_count()) {
+        let given = channel.to_vec();
+        mirror.apply(&given, channel);
     }
 }
 

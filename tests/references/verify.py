@@ -1,6 +1,6 @@
 """Judges the references by a second way to the same images: radiance at vertices, interpolated, as the library does it.
 
-    python verify.py [--only SCENE] [--rays 8192]     needs the variant llvm_ad_rgb
+    python verify.py [--only SCENE] [--rays 4096]     needs the variant llvm_ad_rgb
 
 Only ray casting comes from Mitsuba here. Light, cosine, 1/pi, albedo, bounces, camera and interpolation are written again,
 so a wrong convention on either side shows. The result is what a correct precomputed transfer can reach on these meshes:
@@ -129,7 +129,7 @@ def relmse_pixel(image, reference, on):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", help="scene or image")
-    parser.add_argument("--rays", type=int, default=8192, help="rays per hemisphere; a map takes one per texel")
+    parser.add_argument("--rays", type=int, default=4096, help="rays per hemisphere; a map takes one per texel")
     options = parser.parse_args()
     records = json.loads((make.HERE / "scenes.json").read_text())["images"]
     print(f"{'image':32} {'relmse':>8} {'pixel':>8} {'noise':>8} {'mask':>5} | {'no shadow':>9} {'other b':>8} {'mirrored':>8}")

@@ -31,8 +31,8 @@ pub struct Reference {
     pub albedo: Option<[f32; 3]>,
     /// Name of a band-limited light.
     pub light: Option<String>,
-    /// Environment map of the test data.
-    pub data_env: Option<String>,
+    /// Environment map of the test data, constant on each texel.
+    pub environment: Option<String>,
     /// Reflections after the first surface.
     pub bounces: usize,
     /// Where it was taken from.

@@ -178,7 +178,7 @@ fn pictures_with_two_bounces_agree_with_mitsuba() {
 #[test]
 fn the_error_under_real_light_falls_with_the_order() {
     for reference in References::load().unwrap().images {
-        let Some(env) = &reference.data_env else { continue };
+        let Some(env) = &reference.environment else { continue };
         let Some(path) = data_path("the curve of error against order", env) else { continue };
         let environment = Environment::load(&path).unwrap();
         let Some(mesh) = load(&reference) else { continue };

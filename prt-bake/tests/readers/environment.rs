@@ -25,7 +25,10 @@ fn smooth_lat_long(width: usize, height: usize) -> Image {
 fn smooth_cube(size: usize) -> [Image; 6] {
     let map = CubeMap { size };
     [0, 1, 2, 3, 4, 5].map(|face| {
-        let at = |i: usize| smooth(map.direction(face, (i % size) as f64 + 0.5, (i / size) as f64 + 0.5));
+        let at = |i: usize| {
+            let [x, y, z] = map.direction(face, (i % size) as f64 + 0.5, (i / size) as f64 + 0.5);
+            smooth([-x, y, z])
+        };
         Image { width: size, height: size, pixels: (0..size * size).map(at).collect() }
     })
 }
@@ -77,8 +80,9 @@ fn folders_are_cube_maps() {
     let faces = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|value| Image { width: 4, height: 4, pixels: vec![[value; 3]; 16] });
     save_faces(&scratch, &faces);
     let environment = Environment::load(scratch.path()).unwrap();
-    for (face, axis) in AXES.into_iter().enumerate() {
-        assert_eq!(environment.radiance(axis), [face as f32 + 1.0; 3]);
+    for (face, [x, y, z]) in AXES.into_iter().enumerate() {
+        // Mirrored: the face px is seen towards −x.
+        assert_eq!(environment.radiance([-x, y, z]), [face as f32 + 1.0; 3]);
     }
     assert_eq!(environment, Environment::Cube(Box::new(faces)));
 }

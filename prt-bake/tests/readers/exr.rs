@@ -195,9 +195,11 @@ fn truncation_and_other_compressions() {
     }
     let mut bytes = small_rgb(Compression::ZIP16, Blocks::ScanLines);
     let compression = value_of(&bytes, "compression", "compression");
-    for (number, words) in
-        [(10, "HTJ2K compression is not supported"), (11, "HTJ2K compression is not supported"), (99, "(unknown compression method) is not supported")]
-    {
+    for (number, words) in [
+        (10, "HTJ2K compression is not supported"),
+        (11, "HTJ2K compression is not supported"),
+        (99, "(unknown compression method) is not supported"),
+    ] {
         bytes[compression] = number;
         assert_refused(image("exr", &bytes), words);
     }

@@ -23,16 +23,19 @@ impl Scratch {
     }
 }
 
+thread_local! {
+    /// One folder for each test's thread: making one takes longer than reading a small file.
+    static SHARED: Scratch = Scratch::new();
+}
+
 /// Loads a mesh from bytes under the name `test.EXTENSION`.
 pub(crate) fn mesh(extension: &str, bytes: impl AsRef<[u8]>) -> Result<MeshSource, Error> {
-    let scratch = Scratch::new();
-    load_mesh(&scratch.write(&format!("test.{extension}"), bytes))
+    SHARED.with(|scratch| load_mesh(&scratch.write(&format!("test.{extension}"), bytes)))
 }
 
 /// Loads an image likewise.
 pub(crate) fn image(extension: &str, bytes: impl AsRef<[u8]>) -> Result<Image, Error> {
-    let scratch = Scratch::new();
-    Image::load(&scratch.write(&format!("test.{extension}"), bytes))
+    SHARED.with(|scratch| Image::load(&scratch.write(&format!("test.{extension}"), bytes)))
 }
 
 /// Asserts that the result is an error that names the file and has the given words, and that nothing huge was allocated.
