@@ -1,0 +1,246 @@
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use prt_bake::{
+    BakeOptions, BakeReport, BakedSurface, Error, Mesh, MeshOptions, MeshReport, Source, bake_diffuse, load_mesh,
+};
+use serde::Serialize;
+use sh_core::Order;
+
+use crate::progress_bar::BakeBar;
+use crate::{arguments, cancel, memory, output, output_file};
+
+/// Bakes how a mesh answers light into a .prt file
+///
+/// Reads .glb, .gltf, .obj, .ply and .off. Ctrl-C stops without leaving a file.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The mesh
+    scene: PathBuf,
+    /// The baked file; by default the name of the mesh with .prt, in the current folder
+    #[arg(short, long, value_name = "OUT.prt")]
+    output: Option<PathBuf>,
+    /// Bands of spherical harmonics, 1 to 32: n² coefficients per vertex
+    #[arg(long, value_name = "N", default_value = "6", value_parser = arguments::order)]
+    order: Order,
+    /// Rays per vertex, over the hemisphere
+    #[arg(long, value_name = "COUNT", default_value = "4096", value_parser = arguments::rays)]
+    rays: usize,
+    /// Diffuse interreflections to follow
+    #[arg(long, value_name = "COUNT", default_value = "0", value_parser = arguments::bounces)]
+    bounces: usize,
+    /// Rotates the set of rays; the same seed gives the same file
+    #[arg(long, default_value = "0")]
+    seed: u64,
+    /// Threads; by default all
+    #[arg(long, value_name = "COUNT", value_parser = arguments::threads)]
+    threads: Option<usize>,
+    /// Leave out shadows: exact, from the normals alone
+    #[arg(long)]
+    unshadowed: bool,
+    /// Keep shadowed transfer beside the one with interreflections, to switch between them
+    #[arg(long)]
+    keep_shadowed: bool,
+    /// Albedo where the mesh has no material, linear [default: 0.8,0.8,0.8]
+    #[arg(long, value_name = "R,G,B", value_parser = arguments::albedo, allow_hyphen_values = true)]
+    albedo: Option<[f32; 3]>,
+    /// Faces that meet at a larger angle have an edge between them, where the mesh has no normals
+    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = arguments::crease, allow_hyphen_values = true)]
+    crease: f32,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    fn output(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| {
+            let stem = self.scene.file_stem().unwrap_or(self.scene.as_os_str());
+            Path::new(stem).with_extension("prt")
+        })
+    }
+
+    fn mesh_options(&self) -> MeshOptions {
+        let defaults = MeshOptions::default();
+        let albedo = self.albedo.unwrap_or(defaults.albedo);
+        MeshOptions { crease_angle: self.crease.to_radians(), albedo, ..defaults }
+    }
+
+    fn bake_options(&self) -> BakeOptions {
+        BakeOptions {
+            order: self.order,
+            rays_per_vertex: self.rays,
+            shadowed: !self.unshadowed,
+            bounces: self.bounces,
+            keep_shadowed: self.keep_shadowed,
+            seed: self.seed,
+            threads: self.threads,
+        }
+    }
+}
+
+/// Wall time of the steps.
+#[derive(Debug, Serialize)]
+struct Seconds {
+    /// Reading and cleaning the mesh.
+    load: f64,
+    /// The tree and the set of directions.
+    build: f64,
+    trace: f64,
+    write: f64,
+    total: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    scene: PathBuf,
+    output: PathBuf,
+    vertices: usize,
+    triangles: usize,
+    faces_dropped: usize,
+    faces_degenerate: usize,
+    faces_duplicate: usize,
+    faces_not_finite: usize,
+    vertices_unused: usize,
+    vertices_split: usize,
+    order: usize,
+    channels: usize,
+    rays_per_vertex: usize,
+    rays_traced: u64,
+    bounces: usize,
+    /// Length of what each bounce adds, relative to direct transfer.
+    bounce_energy: Vec<f64>,
+    /// Share of the rays towards the light that meet something.
+    occluded_share: f64,
+    /// Estimated relative error of shadowed transfer; `null` without rays.
+    error: Option<f64>,
+    seed: u64,
+    threads: usize,
+    seconds: Seconds,
+    mrays_per_second: f64,
+    peak_memory_bytes: Option<u64>,
+    output_bytes: u64,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.unshadowed && arguments.bounces > 0 {
+        return Err(output::usage("--bounces needs shadowed transfer: leave out --unshadowed"));
+    }
+    let start = Instant::now();
+    let output = arguments.output();
+    output_file::check(&output)?;
+    cancel::listen()?;
+    let (mesh, mesh_report) = load(arguments)?;
+    let source = Source::of_file(&arguments.scene)?;
+    let load = start.elapsed();
+    cancel::check()?;
+    let (mut baked, bake_report) = bake(&mesh, &arguments.bake_options(), &arguments.scene.display().to_string())?;
+    baked.metadata.source = Some(source);
+    cancel::check()?;
+    let write_start = Instant::now();
+    let output_bytes = baked.write(&output)?;
+    let times = Times { load, write: write_start.elapsed(), total: start.elapsed() };
+    let report = Report { output_bytes, ..report(arguments, output, &baked, &mesh_report, bake_report, times) };
+    output::result(arguments.json, &report, || summary(&report))
+}
+
+/// Reads and cleans the mesh.
+fn load(arguments: &Arguments) -> anyhow::Result<(Mesh, MeshReport)> {
+    let source = load_mesh(&arguments.scene)?;
+    cancel::check()?;
+    Mesh::new(source, &arguments.mesh_options()).map_err(|error| name_file(error, &arguments.scene.display()))
+}
+
+/// Bakes with a progress bar.
+pub(crate) fn bake(mesh: &Mesh, options: &BakeOptions, name: &str) -> anyhow::Result<(BakedSurface, BakeReport)> {
+    let bar = BakeBar::new();
+    let baked = bake_diffuse(mesh, options, &bar);
+    bar.finish();
+    baked.map_err(|error| name_file(error, &name))
+}
+
+/// Says what could not be baked, for errors that do not name the file themselves.
+fn name_file(error: Error, name: &dyn std::fmt::Display) -> anyhow::Error {
+    match error {
+        Error::EmptyMesh { .. } | Error::InconsistentMesh(_) | Error::Option(_) => {
+            anyhow::Error::from(error).context(format!("cannot bake {name}"))
+        }
+        _ => error.into(),
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Times {
+    load: Duration,
+    write: Duration,
+    total: Duration,
+}
+
+fn report(
+    arguments: &Arguments,
+    output: PathBuf,
+    baked: &BakedSurface,
+    mesh: &MeshReport,
+    bake: BakeReport,
+    times: Times,
+) -> Report {
+    let trace = bake.trace.as_secs_f64();
+    Report {
+        scene: arguments.scene.clone(),
+        output,
+        vertices: baked.positions.len(),
+        triangles: baked.triangles.len(),
+        faces_dropped: mesh.faces_dropped(),
+        faces_degenerate: mesh.degenerate,
+        faces_duplicate: mesh.duplicate,
+        faces_not_finite: mesh.non_finite,
+        vertices_unused: mesh.vertices_unused,
+        vertices_split: mesh.vertices_split,
+        order: baked.transfer.order.get(),
+        channels: baked.transfer.channels,
+        rays_per_vertex: baked.metadata.rays,
+        rays_traced: bake.rays_traced,
+        bounces: baked.metadata.bounces,
+        bounce_energy: bake.bounce_energy,
+        occluded_share: bake.occluded_share,
+        error: bake.error,
+        seed: baked.metadata.seed,
+        threads: bake.threads,
+        mrays_per_second: if trace > 0.0 { bake.rays_traced as f64 / trace / 1e6 } else { 0.0 },
+        seconds: Seconds {
+            load: times.load.as_secs_f64(),
+            build: bake.build.as_secs_f64(),
+            trace,
+            write: times.write.as_secs_f64(),
+            total: times.total.as_secs_f64(),
+        },
+        peak_memory_bytes: memory::peak_bytes(),
+        output_bytes: 0,
+    }
+}
+
+fn summary(report: &Report) -> String {
+    let mesh = format!(
+        "{} vertices, {} triangles ({} dropped), order {}, {} channel{}",
+        output::count(report.vertices as u64),
+        output::count(report.triangles as u64),
+        output::count(report.faces_dropped as u64),
+        report.order,
+        report.channels,
+        if report.channels == 1 { "" } else { "s" }
+    );
+    let memory = report.peak_memory_bytes.map(|bytes| format!(", peak memory {}", output::bytes(bytes)));
+    let error = report.error.map(|error| format!(", error about {:.2} %", 100.0 * error));
+    format!(
+        "{mesh}\n{} bounces, {} rays in {:.2} s ({:.1} Mrays/s){}\nwrote {} ({}) after {:.2} s{}",
+        report.bounces,
+        output::count(report.rays_traced),
+        report.seconds.trace,
+        report.mrays_per_second,
+        error.unwrap_or_default(),
+        report.output.display(),
+        output::bytes(report.output_bytes),
+        report.seconds.total,
+        memory.unwrap_or_default()
+    )
+}

@@ -1,0 +1,172 @@
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Context;
+use glam::{Quat, Vec3};
+use prt_bake::{BakeOptions, BakedSurface, Mesh, MeshOptions};
+use prt_gpu::View;
+use serde::Serialize;
+use sh_core::Order;
+
+use crate::arguments::Size;
+use crate::camera::{Camera, Orbit, Sphere};
+use crate::demo_scene::demo_scene;
+use crate::picture::{self, Backdrop};
+use crate::shading::{self, Backend, Shaded};
+use crate::window::{self, Subject};
+use crate::{arguments, cancel, output, output_file};
+
+const SIZE: Size = Size { width: 1280, height: 800 };
+const SAMPLES: u32 = 3;
+/// Stops: the things of the scene are darker than the white that a sky is made for.
+const EXPOSURE: f32 = 0.5;
+/// The picture and the baked file of the main job, in the current folder.
+const PICTURE: &str = "prt-demo.png";
+const BAKED: &str = "prt-demo.prt";
+
+/// The main job: what `prt` does without a verb.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// Without a verb: open no window
+    #[arg(long)]
+    no_window: bool,
+    /// Without a verb: what draws the picture
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: Backend,
+    /// Without a verb: rays per vertex
+    #[arg(long, value_name = "COUNT", default_value = "1280", value_parser = arguments::rays)]
+    rays: usize,
+    /// Without a verb: print one JSON object, before the window opens
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Seconds {
+    bake: f64,
+    render: f64,
+    /// From the start of the program to the picture.
+    total: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    picture: &'static str,
+    baked: &'static str,
+    vertices: usize,
+    triangles: usize,
+    order: usize,
+    bounces: usize,
+    rays_traced: u64,
+    mrays_per_second: f64,
+    backend: &'static str,
+    adapter: Option<String>,
+    seconds: Seconds,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let (picture, baked_file) = (PathBuf::from(PICTURE), PathBuf::from(BAKED));
+    output_file::check(&picture)?;
+    output_file::check(&baked_file)?;
+    cancel::listen()?;
+
+    output::note("baking the built-in scene");
+    let (mesh, _) = Mesh::new(demo_scene(), &MeshOptions::default()).context("cannot build the built-in scene")?;
+    let (baked, bake) = super::bake::bake(&mesh, &bake_options(arguments.rays)?, "the built-in scene")?;
+    baked.write(&baked_file)?;
+    let bake_seconds = start.elapsed().as_secs_f64();
+
+    let camera = camera();
+    let lightings = super::view::lightings(&[], baked.transfer.order)?;
+    let shaded =
+        shade(&baked, &lightings[0], &camera, arguments.backend).context("cannot render the built-in scene")?;
+    let backdrop = Backdrop { lighting: &lightings[0], scene_from_environment: Quat::IDENTITY, camera: &camera };
+    picture::save(&picture::develop(&shaded.frame, Some(&backdrop)), &picture, EXPOSURE)?;
+    cancel::check()?;
+    let total = start.elapsed().as_secs_f64();
+
+    let report = Report {
+        picture: PICTURE,
+        baked: BAKED,
+        vertices: baked.positions.len(),
+        triangles: baked.triangles.len(),
+        order: baked.transfer.order.get(),
+        bounces: baked.metadata.bounces,
+        rays_traced: bake.rays_traced,
+        mrays_per_second: bake.rays_traced as f64 / bake.trace.as_secs_f64().max(1e-9) / 1e6,
+        backend: shaded.backend,
+        adapter: shaded.adapter,
+        seconds: Seconds { bake: bake_seconds, render: total - bake_seconds, total },
+    };
+    output::result(arguments.json, &report, || summary(&report))?;
+    if arguments.no_window {
+        return Ok(());
+    }
+    let subject = Subject {
+        path: baked_file,
+        baked: Arc::new(baked),
+        lightings,
+        scene_from_environment: Quat::IDENTITY,
+        orbit: Orbit::through(&camera),
+        exposure: EXPOSURE,
+    };
+    cancel::stop_listening();
+    open_window(subject);
+    Ok(())
+}
+
+fn bake_options(rays_per_vertex: usize) -> anyhow::Result<BakeOptions> {
+    Ok(BakeOptions {
+        order: Order::new(7)?,
+        rays_per_vertex,
+        bounces: 2,
+        keep_shadowed: true,
+        ..BakeOptions::default()
+    })
+}
+
+/// From the front and above, with the whole plate in the picture.
+fn camera() -> Camera {
+    Camera { eye: Vec3::new(0.9, 2.2, 6.2), target: Vec3::new(0.0, 0.64, 0.0), up: Vec3::Y, fov: 29_f32.to_radians() }
+}
+
+fn shade(
+    baked: &BakedSurface,
+    lighting: &crate::lighting::Lighting,
+    camera: &Camera,
+    backend: Backend,
+) -> anyhow::Result<Shaded> {
+    let order = baked.transfer.order;
+    let light = lighting.light(order, Quat::IDENTITY);
+    let clip_from_world = camera.clip_from_world(SIZE.aspect(), Sphere::around(&baked.positions));
+    let view = View::new(clip_from_world.to_cols_array_2d(), SIZE.width, SIZE.height, SAMPLES)?;
+    shading::shade(&shading::surface(baked, &baked.transfer)?, &light, order, &view, backend)
+}
+
+/// The picture is written: a machine without a display has done the job.
+fn open_window(subject: Subject) {
+    if let Err(error) = window::open(subject, SIZE, None) {
+        output::note(format_args!("no window: {error:#}; the picture is in {PICTURE}"));
+    }
+}
+
+fn summary(report: &Report) -> String {
+    let place = match &report.adapter {
+        Some(adapter) => format!("the GPU {adapter}"),
+        None => "the CPU".to_owned(),
+    };
+    format!(
+        "baked {} vertices, order {}, {} bounces: {} rays in {:.1} s ({:.1} Mrays/s)\nwrote {} (drawn by {place}) and {}, {:.1} s after the start",
+        output::count(report.vertices as u64),
+        report.order,
+        report.bounces,
+        output::count(report.rays_traced),
+        report.seconds.bake,
+        report.mrays_per_second,
+        report.picture,
+        report.baked,
+        report.seconds.total
+    )
+}

@@ -1,0 +1,109 @@
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use prt_bake::{Error, Image, Mesh, MeshOptions, file_info, load_mesh};
+use serde::Serialize;
+
+use crate::output;
+
+/// Prints what a file holds
+///
+/// Of a baked file the metadata and the tensors; of a mesh its size and what baking would drop; of an image its size and values.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// A baked file, a mesh or an image
+    file: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    file: PathBuf,
+    #[serde(flatten)]
+    content: Content,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "content", rename_all = "lowercase")]
+enum Content {
+    Baked { bytes: u64, metadata: BTreeMap<String, String>, tensors: Vec<Tensor> },
+    Mesh { vertices: usize, triangles: usize, faces_dropped: usize, has_uvs: bool, bounds: [[f64; 3]; 2] },
+    Image { width: usize, height: usize, mean: f64, largest: f32 },
+}
+
+#[derive(Debug, Serialize)]
+struct Tensor {
+    name: String,
+    dtype: String,
+    shape: Vec<usize>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let report = Report { file: arguments.file.clone(), content: content(&arguments.file)? };
+    output::result(arguments.json, &report, || summary(&report))
+}
+
+/// By the extension; what is no mesh and no image should be a baked file.
+fn content(path: &Path) -> Result<Content, Error> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "glb" | "gltf" | "obj" | "ply" | "off" => mesh(path),
+        "hdr" | "pic" | "rgbe" | "exr" | "png" | "jpg" | "jpeg" => image(path),
+        _ => baked(path),
+    }
+}
+
+fn baked(path: &Path) -> Result<Content, Error> {
+    let info = file_info(path)?;
+    let tensor = |tensor: prt_bake::TensorInfo| Tensor { name: tensor.name, dtype: tensor.dtype, shape: tensor.shape };
+    let tensors = info.tensors.into_iter().map(tensor).collect();
+    Ok(Content::Baked { bytes: info.bytes, metadata: info.metadata, tensors })
+}
+
+fn mesh(path: &Path) -> Result<Content, Error> {
+    let (mesh, report) = Mesh::new(load_mesh(path)?, &MeshOptions::default())?;
+    Ok(Content::Mesh {
+        vertices: mesh.positions().len(),
+        triangles: mesh.triangles().len(),
+        faces_dropped: report.faces_dropped(),
+        has_uvs: mesh.uvs().is_some(),
+        bounds: mesh.bounds(),
+    })
+}
+
+fn image(path: &Path) -> Result<Content, Error> {
+    let Image { width, height, pixels } = Image::load(path)?;
+    let values = pixels.as_flattened();
+    Ok(Content::Image {
+        width,
+        height,
+        mean: values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64,
+        largest: values.iter().copied().fold(f32::NEG_INFINITY, f32::max),
+    })
+}
+
+fn summary(report: &Report) -> String {
+    let file = report.file.display();
+    match &report.content {
+        Content::Baked { bytes, metadata, tensors } => {
+            let metadata = metadata.iter().map(|(key, value)| format!("\n  {key:<18} {value}"));
+            let tensors =
+                tensors.iter().map(|tensor| format!("\n  {:<18} {} {:?}", tensor.name, tensor.dtype, tensor.shape));
+            let [metadata, tensors] = [metadata.collect::<String>(), tensors.collect::<String>()];
+            format!("{file}, {}\nmetadata{metadata}\ntensors{tensors}", output::bytes(*bytes))
+        }
+        Content::Mesh { vertices, triangles, faces_dropped, has_uvs, bounds } => format!(
+            "{file}: {} vertices, {} triangles ({faces_dropped} dropped), {} texture coordinates\nfrom {:?} to {:?}",
+            output::count(*vertices as u64),
+            output::count(*triangles as u64),
+            if *has_uvs { "with" } else { "no" },
+            bounds[0],
+            bounds[1]
+        ),
+        Content::Image { width, height, mean, largest } => {
+            format!("{file}: {width} x {height}, mean {mean}, largest {largest}")
+        }
+    }
+}

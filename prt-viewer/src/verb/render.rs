@@ -1,0 +1,200 @@
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, ensure};
+use glam::Quat;
+use prt_bake::BakedSurface;
+use prt_gpu::View;
+use serde::Serialize;
+use sh_core::Order;
+
+use crate::arguments::{self, CameraArguments, LightArguments, Size};
+use crate::camera::{Camera, Sphere};
+use crate::lighting::Lighting;
+use crate::picture::{self, Backdrop};
+use crate::shading::{self, Backend, Part, Shaded};
+use crate::{output, output_file};
+
+/// Renders a baked file under an environment
+///
+/// Without a camera the whole object is framed, from the front, the right and above. Without a usable GPU the CPU draws, and says so.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The baked file
+    file: PathBuf,
+    /// The environment: a latitude-longitude .hdr or .exr, a folder with the faces px nx py ny pz nz of a cube map, or the name of a
+    /// built-in one: sky, sunset, studio, white
+    #[arg(long, value_name = "FILE", default_value = "sky")]
+    env: PathBuf,
+    #[command(flatten)]
+    light: LightArguments,
+    /// Bands to use; by default all that are baked
+    #[arg(long, value_name = "K", value_parser = arguments::order)]
+    order: Option<Order>,
+    /// Which light paths to show
+    #[arg(long, value_enum, default_value = "full")]
+    part: Part,
+    #[command(flatten)]
+    camera: CameraArguments,
+    /// Size of the picture
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = arguments::size)]
+    size: Size,
+    /// Samples per pixel along each side, 1 to 4
+    #[arg(long, value_name = "COUNT", default_value = "2", value_parser = arguments::samples)]
+    samples: u32,
+    /// Brightness of a .png in stops, or auto
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = arguments::exposure, allow_hyphen_values = true)]
+    exposure: arguments::Exposure,
+    /// Show the environment behind the object instead of black
+    #[arg(long)]
+    show_env: bool,
+    /// What draws
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: Backend,
+    /// The picture: .png is tone-mapped, .exr is linear radiance
+    #[arg(short, long, value_name = "OUT.png|exr", value_parser = arguments::picture_file)]
+    output: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Steps {
+    load: f64,
+    environment: f64,
+    /// Opening the GPU included.
+    shade: f64,
+    write: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    file: &'a Path,
+    output: &'a Path,
+    env: &'a Path,
+    backend: &'static str,
+    /// Name and driver of the GPU; `null` on the CPU.
+    adapter: Option<String>,
+    /// Everything, from reading to writing.
+    seconds: f64,
+    steps: Steps,
+    width: u32,
+    height: u32,
+    samples: u32,
+    vertices: usize,
+    triangles: usize,
+    order: usize,
+    exposure: f32,
+    eye: [f32; 3],
+    target: [f32; 3],
+    up: [f32; 3],
+    /// Vertical, degrees.
+    fov: f32,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let start = Instant::now();
+    output_file::check(&arguments.output)?;
+    let baked = read(&arguments.file)?;
+    let order = used_order(arguments, &baked)?;
+    let camera = arguments.camera.camera(&baked.positions, arguments.size.aspect())?;
+    let load = start.elapsed();
+
+    let lighting = Lighting::load(&arguments.env, order)?;
+    let environment = start.elapsed() - load;
+
+    let scene_from_environment = arguments.light.scene_from_environment();
+    let shaded = shade(arguments, &baked, &lighting, scene_from_environment, &camera)?;
+    let shade = start.elapsed() - load - environment;
+
+    let backdrop = Backdrop { lighting: &lighting, scene_from_environment, camera: &camera };
+    let image = picture::develop(&shaded.frame, arguments.show_env.then_some(&backdrop));
+    let exposure = arguments.exposure.stops(&shaded.frame);
+    picture::save(&image, &arguments.output, exposure)?;
+    let total = start.elapsed();
+
+    let steps = Steps {
+        load: load.as_secs_f64(),
+        environment: environment.as_secs_f64(),
+        shade: shade.as_secs_f64(),
+        write: (total - load - environment - shade).as_secs_f64(),
+    };
+    let report = Report {
+        file: &arguments.file,
+        output: &arguments.output,
+        env: &arguments.env,
+        backend: shaded.backend,
+        adapter: shaded.adapter,
+        seconds: total.as_secs_f64(),
+        steps,
+        width: arguments.size.width,
+        height: arguments.size.height,
+        samples: arguments.samples,
+        vertices: baked.positions.len(),
+        triangles: baked.triangles.len(),
+        order: order.get(),
+        exposure,
+        eye: camera.eye.to_array(),
+        target: camera.target.to_array(),
+        up: camera.up.to_array(),
+        fov: camera.fov.to_degrees(),
+    };
+    output::result(arguments.json, &report, || summary(&report))
+}
+
+/// Reads a baked file; a mesh gets told what to do first.
+pub(crate) fn read(path: &Path) -> anyhow::Result<BakedSurface> {
+    const MESHES: [&str; 5] = ["glb", "gltf", "obj", "ply", "off"];
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let is_mesh = MESHES.iter().any(|mesh| extension.eq_ignore_ascii_case(mesh));
+    ensure!(!is_mesh, "cannot show {}: it is a mesh; bake it first, with `prt bake`", path.display());
+    let baked = BakedSurface::read(path)?;
+    ensure!(!baked.triangles.is_empty(), "cannot show {}: it has no triangles", path.display());
+    Ok(baked)
+}
+
+fn used_order(arguments: &Arguments, baked: &BakedSurface) -> anyhow::Result<Order> {
+    let stored = baked.transfer.order;
+    let order = arguments.order.unwrap_or(stored);
+    ensure!(
+        order <= stored,
+        "cannot render {} to order {order}: it is baked to order {stored}",
+        arguments.file.display()
+    );
+    Ok(order)
+}
+
+fn shade(
+    arguments: &Arguments,
+    baked: &BakedSurface,
+    lighting: &Lighting,
+    scene_from_environment: Quat,
+    camera: &Camera,
+) -> anyhow::Result<Shaded> {
+    let cannot = || format!("cannot render {}", arguments.file.display());
+    let order = arguments.order.unwrap_or(baked.transfer.order);
+    let transfer = arguments.part.transfer(baked).with_context(cannot)?;
+    let light = lighting.light(order, scene_from_environment);
+    let Size { width, height } = arguments.size;
+    let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&baked.positions));
+    let view = View::new(clip_from_world.to_cols_array_2d(), width, height, arguments.samples).with_context(cannot)?;
+    let surface = shading::surface(baked, &transfer).with_context(cannot)?;
+    shading::shade(&surface, &light, order, &view, arguments.backend).with_context(cannot)
+}
+
+fn summary(report: &Report<'_>) -> String {
+    let place = match &report.adapter {
+        Some(adapter) => format!("the GPU {adapter}"),
+        None => "the CPU".to_owned(),
+    };
+    format!(
+        "wrote {} ({} x {}) after {:.2} s: order {}, drawn by {place} in {:.2} s",
+        report.output.display(),
+        report.width,
+        report.height,
+        report.seconds,
+        report.order,
+        report.steps.shade
+    )
+}

@@ -1,0 +1,220 @@
+//! `prt bake` and `prt info`.
+
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+
+mod program;
+
+use program::{Place, number};
+
+#[test]
+fn the_report_has_what_scripts_rely_on() {
+    let place = Place::new();
+    let report = place.bake_scene(&["--bounces", "1", "--seed", "3", "--threads", "1"]);
+    // 9 rows of 12 corners and 9 by 9; the two poles' rows are of coincident corners, whose faces have no area.
+    let (vertices, triangles) = (number(&report, "/vertices"), number(&report, "/triangles"));
+    assert_eq!((vertices, triangles), (189.0, 2.0 * (7.0 * 12.0 + 64.0)));
+    assert_eq!(number(&report, "/faces_dropped"), 24.0);
+    assert_eq!(number(&report, "/order"), 4.0);
+    assert_eq!(number(&report, "/rays_per_vertex"), 128.0);
+    assert_eq!(number(&report, "/bounces"), 1.0);
+    // Half of the shared directions are above a vertex; hits are traced again for the bounce.
+    let rays = number(&report, "/rays_traced");
+    assert!(rays > 110.0 * vertices && rays < 300.0 * vertices, "{rays}");
+    for seconds in ["load", "build", "trace", "total"] {
+        assert!(number(&report, &format!("/seconds/{seconds}")) >= 0.0);
+    }
+    assert!(number(&report, "/seconds/total") >= number(&report, "/seconds/trace"));
+    assert!(number(&report, "/mrays_per_second") > 0.0);
+    if cfg!(target_os = "linux") {
+        assert!(number(&report, "/peak_memory_bytes") > 1e6);
+    }
+    assert_eq!(number(&report, "/output_bytes"), std::fs::metadata(place.path("scene.prt")).unwrap().len() as f64);
+    assert!((0.0..0.2).contains(&number(&report, "/error")));
+    assert!((0.01..0.5).contains(&number(&report, "/occluded_share")));
+    let bounce = number(&report, "/bounce_energy/0");
+    assert!((0.001..0.5).contains(&bounce), "{bounce}");
+    assert_eq!(place.files(), ["scene.obj", "scene.prt"]);
+}
+
+#[test]
+fn the_summary_is_for_people() {
+    let place = Place::new();
+    place.write_scene();
+    let run = place.run(&["bake", "scene.obj", "--rays", "16"]);
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    assert!(run.stdout.contains("189 vertices") && run.stdout.contains("wrote scene.prt"), "{}", run.stdout);
+    assert_eq!(place.files(), ["scene.obj", "scene.prt"], "the default name is that of the mesh");
+}
+
+#[test]
+fn the_same_seed_is_the_same_file_for_any_number_of_threads() {
+    let place = Place::new();
+    let bytes = |more: &[&str]| {
+        place.bake_scene(more);
+        std::fs::read(place.path("scene.prt")).unwrap()
+    };
+    let one = bytes(&["--bounces", "2", "--threads", "1"]);
+    assert!(one == bytes(&["--bounces", "2", "--threads", "3"]));
+    assert!(one != bytes(&["--bounces", "2", "--seed", "1"]));
+}
+
+#[test]
+fn unshadowed_transfer_traces_nothing() {
+    let place = Place::new();
+    let report = place.bake_scene(&["--unshadowed", "--bounces", "0"]);
+    assert_eq!((number(&report, "/rays_traced"), number(&report, "/rays_per_vertex")), (0.0, 0.0));
+    assert_eq!(number(&report, "/mrays_per_second"), 0.0);
+    assert!(report["error"].is_null());
+}
+
+#[test]
+fn info_tells_metadata_and_tensors() {
+    let place = Place::new();
+    place.bake_scene(&["--bounces", "1", "--keep-shadowed", "--albedo", "0.9,0.5,0.1", "--seed", "7"]);
+    let info = place.json(&["info", "scene.prt"]);
+    assert_eq!(info["metadata"]["format"], "prt/1");
+    assert_eq!(info["metadata"]["order"], "4");
+    assert_eq!(info["metadata"]["seed"], "7");
+    assert!(info["metadata"]["source"].as_str().unwrap().starts_with("scene.obj sha256:"));
+    let shape = |name: &str| {
+        let tensors = info["tensors"].as_array().unwrap();
+        let tensor = tensors.iter().find(|tensor| tensor["name"] == name).unwrap_or_else(|| panic!("{name} in {info}"));
+        assert!(tensor["dtype"] == "F32" || name == "index");
+        tensor["shape"].to_string()
+    };
+    assert_eq!(shape("position"), "[189,3]");
+    assert_eq!(shape("transfer"), "[189,3,16]", "coloured light has three channels");
+    assert_eq!(shape("transfer_shadowed"), "[189,1,16]");
+    let people = place.run(&["info", "scene.prt"]);
+    assert!(
+        people.stdout.contains("transfer_shadowed") && people.stdout.contains("vertex-transfer"),
+        "{}",
+        people.stdout
+    );
+}
+
+#[test]
+fn info_tells_of_meshes_and_images_too() {
+    let place = Place::new();
+    place.write_scene();
+    let mesh = place.json(&["info", "scene.obj"]);
+    assert_eq!(
+        (&mesh["content"], number(&mesh, "/vertices"), number(&mesh, "/faces_dropped")),
+        (&"mesh".into(), 189.0, 24.0)
+    );
+    assert_eq!(number(&mesh, "/bounds/1/1"), 1.5);
+    prt_bake::Image { width: 2, height: 1, pixels: vec![[0.0, 0.5, 1.0]; 2] }.save(&place.path("a.exr")).unwrap();
+    let image = place.json(&["info", "a.exr"]);
+    assert_eq!((number(&image, "/width"), number(&image, "/mean"), number(&image, "/largest")), (2.0, 0.5, 1.0));
+}
+
+#[test]
+fn bad_input_is_one_clear_error() {
+    let place = Place::new();
+    place.write_scene();
+    place.refuses(&["bake", "absent.obj"], 1, &["absent.obj", "No such file"]);
+    place.refuses(&["bake", "."], 1, &["cannot"]);
+    place.write("empty.obj", "");
+    place.refuses(&["bake", "empty.obj"], 1, &["empty.obj"]);
+    place.write("scene.xyz", "0 0 0");
+    place.refuses(&["bake", "scene.xyz"], 1, &["scene.xyz", "unknown extension"]);
+    place.write("lies.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
+    place.refuses(&["bake", "lies.ply"], 1, &["lies.ply"]);
+    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    place.refuses(&["bake", "flat.obj"], 1, &["flat.obj", "no usable triangle"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_baking() {
+    let place = Place::new();
+    place.write_scene();
+    place.refuses(&["bake", "scene.obj", "-o", "no/such/a.prt"], 1, &["cannot write no/such/a.prt", "no folder"]);
+    place.refuses(&["bake", "scene.obj", "-o", "."], 1, &["cannot write ."]);
+    if cfg!(target_os = "linux") {
+        let many = ["bake", "scene.obj", "--rays", "16", "-o", "/dev/full"];
+        place.refuses(&many, 1, &["cannot write /dev/full", "No space left"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn folders_without_permission_are_refused() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::new();
+    place.write_scene();
+    std::fs::create_dir(place.path("locked")).unwrap();
+    std::fs::set_permissions(place.path("locked"), std::fs::Permissions::from_mode(0o555)).unwrap();
+    if std::fs::write(place.path("locked/probe"), "").is_ok() {
+        println!("skipped: this user may write everywhere");
+        return;
+    }
+    place.refuses(
+        &["bake", "scene.obj", "-o", "locked/a.prt"],
+        1,
+        &["cannot write locked/a.prt", "cannot be written to"],
+    );
+}
+
+#[test]
+fn wrong_usage_has_status_2() {
+    let place = Place::new();
+    place.write_scene();
+    for wrong in [
+        &["--order", "0"] as &[&str],
+        &["--order", "100"],
+        &["--order", "x"],
+        &["--rays", "0"],
+        &["--rays", "-1"],
+        &["--threads", "0"],
+        &["--albedo", "1,2,3"],
+        &["--albedo", "0.5"],
+        &["--crease", "-1"],
+        &["--bounces", "1000"],
+        &["--unshadowed", "--bounces", "1"],
+        &["--no-such-flag"],
+    ] {
+        place.refuses(&[&["bake", "scene.obj"], wrong].concat(), 2, &[]);
+    }
+    place.refuses(&["bake"], 2, &["Usage"]);
+    place.refuses(&["no-such-verb"], 2, &[]);
+}
+
+#[test]
+fn files_that_are_not_baked_are_refused() {
+    let place = Place::new();
+    place.bake_scene(&[]);
+    place.refuses(&["info", "absent.prt"], 1, &["absent.prt"]);
+    place.write("text.prt", "not at all");
+    place.refuses(&["info", "text.prt"], 1, &["text.prt", "not a valid"]);
+    let mut newer = std::fs::read(place.path("scene.prt")).unwrap();
+    let format = newer.windows(5).position(|window| window == b"prt/1").unwrap();
+    newer[format + 4] = b'2';
+    place.write("newer.prt", &newer);
+    place.refuses(&["render", "newer.prt", "-o", "a.png"], 1, &["newer.prt", "newer than"]);
+    place.write("cut.prt", &newer[..newer.len() / 2]);
+    place.refuses(&["render", "cut.prt", "-o", "a.png"], 1, &["cut.prt"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_nothing() {
+    use std::io::Read;
+    use std::time::{Duration, Instant};
+
+    let place = Place::new();
+    place.write_scene();
+    // A few minutes of work.
+    let mut child = place.spawn(&["bake", "scene.obj", "--rays", "1000000", "--order", "16", "--threads", "1"]);
+    std::thread::sleep(Duration::from_millis(700));
+    assert!(child.try_wait().unwrap().is_none(), "it still bakes");
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let asked = Instant::now();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130));
+    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
+    let mut message = String::new();
+    child.stderr.unwrap().read_to_string(&mut message).unwrap();
+    assert_eq!(message, "prt: cancelled\n");
+    assert_eq!(place.files(), ["scene.obj"]);
+}
