@@ -1,6 +1,7 @@
 //! Tests of the file readers and writers, through the public functions alone: small files made here, files that lie or are
 //! damaged, real ones from the data folder, and a short run of random damage.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests, and what they skip is printed")]
+#![expect(clippy::needless_pass_by_value, reason = "documents are built where they are passed")]
 
 #[path = "readers/damage.rs"]
 mod damage;

@@ -1,9 +1,10 @@
 //! OpenEXR.
 
 use std::io::Cursor;
+use std::panic::catch_unwind;
 
+use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::lines::LineIndex;
-use exr::block::reader::ChunksReader;
 use exr::block::{self, BlockIndex, UncompressedBlock};
 use exr::compression::Compression;
 use exr::error::Error as ExrError;
@@ -19,11 +20,19 @@ use crate::input::Fault;
 /// Most times that a compression expands: deflate's 1032, which PIZ, RLE, B44 and PXR24 stay below.
 const MAX_EXPANSION: usize = 1032;
 
+/// Reads an image. A panic in the crate `exr` becomes an error: with overflow checks, its B44 decoder overflows on damaged
+/// data (found by random damage to files; nothing else has been).
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, Fault> {
+    catch_unwind(|| decode_image(bytes))
+        .unwrap_or_else(|_| Err(Fault::malformed("its compressed data make the decoder fail")))
+}
+
+fn decode_image(bytes: &[u8]) -> Result<Image, Fault> {
     let reader = block::read(Cursor::new(bytes), false).map_err(fault)?;
     let (part, channels) = choose_part(reader.headers())?;
-    let header = reader.headers()[part].clone();
-    check_header(&header, bytes.len())?;
+    let meta_data = reader.meta_data().clone();
+    let header = &meta_data.headers[part];
+    check_header(header, bytes.len())?;
     let Vec2(width, height) = header.layer_size;
     // Every pixel that the file leaves out stays NaN, which the caller refuses.
     let mut image = Image { width, height, pixels: vec![[f32::NAN; 3]; width * height] };
@@ -31,10 +40,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, Fault> {
         .filter_chunks(true, |_, tile, block| block.layer == part && tile.level_index == Vec2(0, 0))
         .map_err(fault)?;
     // One thread: the crate's own pool would abort the program if a decoder panicked.
-    for block in chunks.sequential_decompressor(false) {
-        copy_block(&block.map_err(fault)?, &header.channels, channels, &mut image);
+    for chunk in chunks {
+        let chunk = chunk.map_err(fault)?;
+        check_chunk(&chunk, header)?;
+        let block = UncompressedBlock::decompress_chunk(chunk, &meta_data, false).map_err(fault)?;
+        copy_block(&block, &header.channels, channels, &mut image);
     }
-    convert_primaries(&header, &mut image);
+    convert_primaries(header, &mut image);
     Ok(image)
 }
 
@@ -82,6 +94,33 @@ fn check_header(header: &Header, bytes: usize) -> Result<(), Fault> {
     let bytes_per_pixel = header.channels.bytes_per_pixel.max(1);
     let Vec2(width, height) = header.layer_size;
     check_size(width, height, bytes, (MAX_EXPANSION / bytes_per_pixel).max(1))
+}
+
+/// Refuses a DWAA or DWAB chunk whose eleven counters claim more than its pixels can need: the decoder allocates by them.
+fn check_chunk(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
+    };
+    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return Ok(());
+    }
+    let location = header.get_block_data_indices(&chunk.compressed_block).map_err(fault)?;
+    let Vec2(width, height) = header.get_absolute_block_pixel_coordinates(location).map_err(fault)?.size;
+    if bytes.len() == width * height * header.channels.bytes_per_pixel {
+        return Ok(()); // stored as it is
+    }
+    let padded = width.next_multiple_of(8) * height.next_multiple_of(8) * header.channels.bytes_per_pixel;
+    // Run lengths may double the bytes, and a coefficient has two of them.
+    let limit = (4 * padded).min(MAX_EXPANSION * bytes.len()) as u64;
+    let counters = bytes.as_chunks::<8>().0.iter().take(11).map(|&counter| u64::from_le_bytes(counter));
+    match counters.max() {
+        Some(largest) if largest > limit => Err(Fault::malformed(format!(
+            "a chunk claims {largest} items, more than its pixels need or its bytes can hold"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// A block holds its lines from the top, and of each line the channels in turn.

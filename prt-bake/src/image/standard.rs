@@ -42,6 +42,9 @@ fn decode_any(bytes: &[u8]) -> Result<DynamicImage, Fault> {
         Ok(format) => return Err(Fault::unsupported(format!("the image format {format:?} is"))),
         Err(_) => return Err(Fault::malformed("it begins neither as a PNG nor as a JPEG image")),
     };
+    if format == ImageFormat::Jpeg && !is_complete_jpeg(bytes) {
+        return Err(Fault::malformed("it ends before its end-of-image marker"));
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     // The sizes are checked below, against the file, which is stricter.
     reader.no_limits();
@@ -49,6 +52,14 @@ fn decode_any(bytes: &[u8]) -> Result<DynamicImage, Fault> {
     let (width, height) = decoder.dimensions();
     check_size(width as usize, height as usize, bytes.len(), PIXELS_PER_BYTE)?;
     DynamicImage::from_decoder(decoder).map_err(|error| fault(&error))
+}
+
+/// Whether an end-of-image marker follows the last start of a scan; the decoder fills in grey where it does not.
+///
+/// Neither marker can occur within a scan, and a thumbnail's stand before the image's own.
+fn is_complete_jpeg(bytes: &[u8]) -> bool {
+    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|pair| pair == marker);
+    last([0xff, 0xd9]) > last([0xff, 0xda])
 }
 
 fn fault(error: &ImageError) -> Fault {

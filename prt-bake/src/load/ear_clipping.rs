@@ -4,18 +4,14 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
+use super::corner_grid::CornerGrid;
+
 /// Points and grid cells that may be looked at, for each corner of the polygon.
 ///
 /// Polygons of up to 150 corners never reach it, and larger ones only if most of their corners crowd together in a
 /// small part of them. It keeps the time linear: a million-corner polygon is given up after a few seconds. The stars,
 /// combs, spirals and noisy circles tried need about 0.2 √n steps a corner, 225 for 10^6 corners.
 const MAX_STEPS_PER_CORNER: usize = 2048;
-
-/// Most grid cells along one axis: 2^20 cells keep a large polygon's cells at about one corner each.
-const MAX_CELLS_PER_AXIS: usize = 1024;
-
-/// How far beyond its border a cell counts, in cells: well above rounding, and next to nothing.
-const CELL_MARGIN: f64 = 1e-3;
 
 /// Cuts ears off a polygon until a triangle is left. Its buffers serve one polygon after the other.
 ///
@@ -35,7 +31,7 @@ pub(super) struct EarClipper {
     /// The latest ticket of each corner; an entry of the queue with an older one is void.
     ticket: Vec<u32>,
     queue: VecDeque<(u32, u32)>,
-    grid: Grid,
+    grid: CornerGrid,
 }
 
 impl EarClipper {
@@ -90,7 +86,7 @@ impl EarClipper {
     fn fill_grid(&mut self, points: &[DVec2]) {
         let reflex = &self.reflex;
         self.grid.fill(points, (0..reflex.len() as u32).filter(|&i| reflex[i as usize]));
-        self.reflex_count = self.grid.items.len();
+        self.reflex_count = self.grid.len();
     }
 
     /// Queues every corner that is left; a corner that was cut off has itself as its neighbour.
@@ -157,7 +153,7 @@ impl EarClipper {
             self.queue_again(neighbour);
         }
         // Most of the grid is stale: as this halves it, all refills together cost as much as the first fill.
-        if 2 * self.reflex_count < self.grid.items.len() {
+        if 2 * self.reflex_count < self.grid.len() {
             self.fill_grid(points);
         }
     }
@@ -200,105 +196,6 @@ fn contains(triangle: [DVec2; 3], point: DVec2, strict: bool) -> bool {
     }
     let sides = [orientation(a, b, point), orientation(b, c, point), orientation(c, a, point)];
     if strict { sides.iter().all(|&side| side >= 0.0) } else { sides.iter().all(|&side| side > 0.0) }
-}
-
-/// The range of x that a triangle takes between two heights; the whole of it if rounding leaves none.
-fn span_between(triangle: [DVec2; 3], below: f64, above: f64) -> (f64, f64) {
-    let [a, b, c] = triangle;
-    let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (p, q) in [(a, b), (b, c), (c, a)] {
-        let (low, high) = if p.y <= q.y { (p, q) } else { (q, p) };
-        if high.y < below || low.y > above {
-            continue;
-        }
-        let x_at = |y: f64| {
-            let share = (y - low.y) / (high.y - low.y);
-            if share.is_finite() { low.x + share * (high.x - low.x) } else { low.x }
-        };
-        let ends = if low.y == high.y { [low.x, high.x] } else { [x_at(below.max(low.y)), x_at(above.min(high.y))] };
-        left = left.min(ends[0]).min(ends[1]);
-        right = right.max(ends[0]).max(ends[1]);
-    }
-    if left <= right { (left, right) } else { (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)) }
-}
-
-/// Points sorted into the cells of a regular grid over their bounding box.
-#[derive(Debug, Default)]
-struct Grid {
-    low: DVec2,
-    cells_per_unit: DVec2,
-    cells_per_axis: usize,
-    /// Where each cell begins in `items`, and the end.
-    starts: Vec<u32>,
-    items: Vec<u32>,
-}
-
-impl Grid {
-    fn fill(&mut self, points: &[DVec2], members: impl Iterator<Item = u32> + Clone) {
-        let count = members.clone().count();
-        let (low, high) = members
-            .clone()
-            .map(|i| points[i as usize])
-            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
-        self.cells_per_axis = count.isqrt().clamp(1, MAX_CELLS_PER_AXIS);
-        self.low = if count == 0 { DVec2::ZERO } else { low };
-        let extent = if count == 0 { DVec2::ONE } else { high - low };
-        self.cells_per_unit =
-            (self.cells_per_axis as f64 / extent).map(|scale| if scale.is_finite() { scale } else { 0.0 });
-        self.sort(points, members);
-    }
-
-    /// Counting sort by cell.
-    fn sort(&mut self, points: &[DVec2], members: impl Iterator<Item = u32> + Clone) {
-        self.starts = vec![0; self.cells_per_axis * self.cells_per_axis + 1];
-        for i in members.clone() {
-            let cell = self.cell_of(points[i as usize]);
-            self.starts[cell + 1] += 1;
-        }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
-        }
-        let mut fill = self.starts.clone();
-        self.items = vec![0; fill.last().map_or(0, |&end| end as usize)];
-        for i in members {
-            let slot = &mut fill[self.cell_of(points[i as usize])];
-            self.items[*slot as usize] = i;
-            *slot += 1;
-        }
-    }
-
-    /// Column and row; a point outside goes to the nearest cell (a cast from float saturates).
-    fn column_row(&self, point: DVec2) -> (usize, usize) {
-        let scaled = (point - self.low) * self.cells_per_unit;
-        let last = self.cells_per_axis - 1;
-        ((scaled.x as usize).min(last), (scaled.y as usize).min(last))
-    }
-
-    fn cell_of(&self, point: DVec2) -> usize {
-        let (column, row) = self.column_row(point);
-        row * self.cells_per_axis + column
-    }
-
-    /// The cells that a triangle touches, and perhaps a few beside it; row by row, so that a long thin one has few.
-    fn cells_over(&self, triangle: [DVec2; 3]) -> impl Iterator<Item = usize> {
-        let [a, b, c] = triangle;
-        let (_, bottom) = self.column_row(a.min(b).min(c));
-        let (_, top) = self.column_row(a.max(b).max(c));
-        (bottom..=top).flat_map(move |row| {
-            let edge = |row: f64| self.low.y + row / self.cells_per_unit.y;
-            let (below, above) = (edge(row as f64 - CELL_MARGIN), edge((row + 1) as f64 + CELL_MARGIN));
-            // In a grid without height the edges are not finite, and the whole triangle counts.
-            let (left, right) = span_between(triangle, below.max(f64::MIN), above.min(f64::MAX));
-            let margin = CELL_MARGIN / self.cells_per_unit.x;
-            let (first, _) = self.column_row(DVec2::new(left - margin, below));
-            let (last, _) = self.column_row(DVec2::new(right + margin, below));
-            (first..=last).map(move |column| row * self.cells_per_axis + column)
-        })
-    }
-
-    fn members(&self, cell: usize) -> &[u32] {
-        &self.items[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
 }
 
 #[cfg(test)]

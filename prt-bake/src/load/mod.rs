@@ -1,5 +1,6 @@
 //! Reading meshes.
 
+mod corner_grid;
 mod ear_clipping;
 mod gltf;
 mod obj;

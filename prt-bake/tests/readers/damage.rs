@@ -37,7 +37,8 @@ static IMAGES: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
         ("exr", exr_files::small_rgb(Compression::ZIP16, Blocks::ScanLines)),
         ("exr", exr_files::small_rgb(Compression::PIZ, Blocks::ScanLines)),
         ("exr", exr_files::small_rgb(Compression::PXR24, Blocks::ScanLines)),
-        ("exr", exr_files::small_rgb(Compression::B44, Blocks::Tiles(Vec2(16, 4)))),
+        ("exr", exr_files::small_rgb(Compression::DWAA(None), Blocks::ScanLines)),
+        ("exr", exr_files::small_half(Compression::B44, Blocks::Tiles(Vec2(16, 4)))),
         ("png", standard::encoded(&picture, ImageFormat::Png)),
         ("jpg", standard::encoded(&picture, ImageFormat::Jpeg)),
     ]
@@ -172,7 +173,7 @@ proptest! {
     }
 
     #[test]
-    fn damaged_images(file in 0..10_usize, damages in prop::collection::vec(damage(), 1..4)) {
+    fn damaged_images(file in 0..11_usize, damages in prop::collection::vec(damage(), 1..4)) {
         let (extension, mut bytes) = IMAGES[file].clone();
         damages.iter().for_each(|damage| apply(&mut bytes, damage));
         if let Ok(image) = image(extension, &bytes) {

@@ -52,7 +52,7 @@ fn no_permission() {
 
     let scratch = Scratch::new();
     let path = scratch.write("secret.obj", "v 0 0 0\n");
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     if std::fs::read(&path).is_ok() {
         println!("skipped: this user may read everything");
         return;

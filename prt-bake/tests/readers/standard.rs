@@ -50,7 +50,10 @@ fn bad_input() {
     assert_refused(image("png", b"GIF89a......"), "the image format Gif is not supported");
     assert_refused(image("jpg", b""), "it is empty");
     let jpeg = encoded(&color.into(), ImageFormat::Jpeg);
-    assert_refused(image("jpg", &jpeg[..jpeg.len() / 4]), "is not a valid JPEG file");
+    for length in (0..jpeg.len()).step_by(13).chain([jpeg.len() - 1]) {
+        assert_refused(image("jpg", &jpeg[..length]), "is not a valid JPEG file");
+    }
+    image("jpg", [&jpeg, b"trailing".as_slice()].concat()).unwrap();
 }
 
 /// A PNG header that claims 2^31 pixels along an edge, with a right checksum.

@@ -4,6 +4,7 @@
 //! refuses files in daily use (positions without bounds, unknown attributes), so every reference is resolved here.
 
 mod accessor;
+mod attributes;
 mod base_color;
 mod container;
 mod document;
