@@ -38,7 +38,8 @@ fn cover(@builtin(vertex_index) index: u32) -> Corner {
 fn environment_radiance(direction: vec3<f32>) -> vec3<f32> {
     let size = vec2<i32>(textureDimensions(environment));
     let u = fract(atan2(direction.x, -direction.z) / (2.0 * PI));
-    let v = acos(clamp(direction.y, -1.0, 1.0)) / PI;
+    // acos(y), without its loss of digits at the poles.
+    let v = atan2(length(direction.xz), direction.y) / PI;
     let texel = vec2(u, v) * vec2<f32>(size) - 0.5;
     let base = vec2<i32>(floor(texel));
     let share = texel - floor(texel);

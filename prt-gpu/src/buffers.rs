@@ -19,7 +19,12 @@ impl<T: Pod> GpuVec<T> {
     /// Room for `capacity` elements, at least one: empty bindings are not allowed.
     ///
     /// - `what`: what it holds, for messages
-    pub(crate) fn new(gpu: &Gpu, what: &'static str, usage: wgpu::BufferUsages, capacity: usize) -> Result<Self, Error> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        what: &'static str,
+        usage: wgpu::BufferUsages,
+        capacity: usize,
+    ) -> Result<Self, Error> {
         let bytes = (capacity.max(1) * size_of::<T>()) as u64;
         gpu.check_binding(what, bytes)?;
         let usage = usage | wgpu::BufferUsages::COPY_DST;
@@ -29,7 +34,12 @@ impl<T: Pod> GpuVec<T> {
     }
 
     /// A buffer that holds `data`.
-    pub(crate) fn with_data(gpu: &Gpu, what: &'static str, usage: wgpu::BufferUsages, data: &[T]) -> Result<Self, Error> {
+    pub(crate) fn with_data(
+        gpu: &Gpu,
+        what: &'static str,
+        usage: wgpu::BufferUsages,
+        data: &[T],
+    ) -> Result<Self, Error> {
         let mut buffer = Self::new(gpu, what, usage, data.len())?;
         buffer.write(gpu, data)?;
         Ok(buffer)

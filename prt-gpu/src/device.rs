@@ -112,7 +112,8 @@ impl Gpu {
             ..Default::default()
         };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
-        let (device, queue) = opened.map_err(|error| Error::Device { step: "opening the device", message: first_lines(&error.to_string()) })?;
+        let (device, queue) = opened
+            .map_err(|error| Error::Device { step: "opening the device", message: first_lines(&error.to_string()) })?;
         let faults = Faults::watch(&device);
         Self::from_device(device, queue, adapter.get_info(), String::new(), faults)
     }
@@ -153,7 +154,12 @@ impl Faults {
     }
 }
 
-fn checked<T>(device: &wgpu::Device, faults: &Faults, step: &'static str, work: impl FnOnce() -> T) -> Result<T, Error> {
+fn checked<T>(
+    device: &wgpu::Device,
+    faults: &Faults,
+    step: &'static str,
+    work: impl FnOnce() -> T,
+) -> Result<T, Error> {
     let filters = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
     let mut scopes: Vec<_> = filters.map(|filter| device.push_error_scope(filter)).into();
     let value = work();
@@ -178,7 +184,12 @@ const STORAGE_BUFFERS: u32 = 4;
 
 fn check_limits(limits: &wgpu::Limits, info: &wgpu::AdapterInfo) -> Result<(), Error> {
     let needs = [
-        ("shading vertices", "storage buffers per shader", STORAGE_BUFFERS, limits.max_storage_buffers_per_shader_stage),
+        (
+            "shading vertices",
+            "storage buffers per shader",
+            STORAGE_BUFFERS,
+            limits.max_storage_buffers_per_shader_stage,
+        ),
         ("resolving samples", "storage textures per shader", 2, limits.max_storage_textures_per_shader_stage),
         ("shading vertices", "invocations per workgroup", 64, limits.max_compute_invocations_per_workgroup),
     ];
@@ -257,7 +268,12 @@ impl Account {
         let line = |(adapter, fate): &(wgpu::Adapter, String)| format!("\n  {}: {fate}", describe(&adapter.get_info()));
         match self.entries.is_empty() {
             true => format!("{}, found none; is a driver installed?", self.searched),
-            false => format!("{}, found {}:{}", self.searched, self.entries.len(), self.entries.iter().map(line).collect::<String>()),
+            false => format!(
+                "{}, found {}:{}",
+                self.searched,
+                self.entries.len(),
+                self.entries.iter().map(line).collect::<String>()
+            ),
         }
     }
 }
@@ -269,6 +285,9 @@ fn wanted_name() -> Option<String> {
 /// What was looked for, and where that was set.
 fn searched() -> String {
     let backends = match std::env::var("WGPU_BACKEND") {
+        Ok(names) if wgpu::Backends::from_comma_list(&names).is_empty() => {
+            return format!("WGPU_BACKEND names no backend in {names:?}; vulkan, gl, metal and dx12 are known");
+        }
         Ok(names) => format!("looked for adapters of {names:?} (WGPU_BACKEND)"),
         Err(_) => "looked for adapters of every backend".to_string(),
     };

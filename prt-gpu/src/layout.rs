@@ -215,7 +215,10 @@ mod tests {
     fn light_blocks_are_padded_with_zeros() {
         let light: Vec<f32> = (1..=12).map(|i| i as f32).collect();
         assert_eq!(block_light(&light, 4), [[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0], [9.0, 10.0, 11.0, 12.0]]);
-        assert_eq!(block_light(&[1.0, 2.0, 3.0], 1), [[1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0]]);
+        assert_eq!(
+            block_light(&[1.0, 2.0, 3.0], 1),
+            [[1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0]]
+        );
     }
 
     #[test]

@@ -18,10 +18,14 @@ impl Shader {
     }
 }
 
-pub(crate) const SHADE_VECTOR: Shader = Shader { name: "shade_vector", parts: &[include_str!("../shaders/shade_vector.wgsl")] };
-pub(crate) const DRAW_SURFACE: Shader = Shader { name: "draw_surface", parts: &[SCREEN, include_str!("../shaders/draw_surface.wgsl")] };
-pub(crate) const RESOLVE: Shader = Shader { name: "resolve", parts: &[SCREEN, include_str!("../shaders/resolve.wgsl")] };
-pub(crate) const PRESENT: Shader = Shader { name: "present", parts: &[TONE_MAP, include_str!("../shaders/present.wgsl")] };
+pub(crate) const SHADE_VECTOR: Shader =
+    Shader { name: "shade_vector", parts: &[include_str!("../shaders/shade_vector.wgsl")] };
+pub(crate) const DRAW_SURFACE: Shader =
+    Shader { name: "draw_surface", parts: &[SCREEN, include_str!("../shaders/draw_surface.wgsl")] };
+pub(crate) const RESOLVE: Shader =
+    Shader { name: "resolve", parts: &[SCREEN, include_str!("../shaders/resolve.wgsl")] };
+pub(crate) const PRESENT: Shader =
+    Shader { name: "present", parts: &[TONE_MAP, include_str!("../shaders/present.wgsl")] };
 
 #[cfg(test)]
 mod tests {
@@ -33,7 +37,8 @@ mod tests {
 
     fn parse(shader: &Shader) -> naga::Module {
         let source = shader.source();
-        naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}: {}", shader.name, error.emit_to_string(&source)))
+        naga::front::wgsl::parse_str(&source)
+            .unwrap_or_else(|error| panic!("{}: {}", shader.name, error.emit_to_string(&source)))
     }
 
     #[test]
@@ -42,7 +47,12 @@ mod tests {
             let mut validator =
                 naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
             let result = validator.validate(&parse(shader));
-            assert!(result.is_ok(), "{}: {}", shader.name, result.map_or_else(|e| e.emit_to_string(&shader.source()), |_| String::new()));
+            assert!(
+                result.is_ok(),
+                "{}: {}",
+                shader.name,
+                result.map_or_else(|e| e.emit_to_string(&shader.source()), |_| String::new())
+            );
         }
     }
 
@@ -68,7 +78,10 @@ mod tests {
     #[test]
     fn structs_have_the_same_layout_in_wgsl() {
         let params = &SHADE_VECTOR;
-        assert_layout!(params, ShadeParams { first_vertex, vertex_count, stored_blocks, used_blocks, channel_count, row_length, padding });
+        assert_layout!(
+            params,
+            ShadeParams { first_vertex, vertex_count, stored_blocks, used_blocks, channel_count, row_length, padding }
+        );
         for shader in [&DRAW_SURFACE, &RESOLVE] {
             assert_layout!(shader, FrameParams { size, samples, vertex_count, front_count, zero, padding });
             assert_layout!(shader, ScreenVertex { x, y, z, inverse_w });

@@ -57,7 +57,12 @@ impl<'a> Surface<'a> {
         check_length("albedo", self.albedo.len(), "entries", self.vertex_count(), because)?;
         let needed = self.vertex_count().saturating_mul(self.floats_per_vertex());
         check_length("transfer", self.transfer.len(), "floats", needed, || {
-            format!("a surface of {} vertices, {} channels and order {}", self.vertex_count(), self.channels, self.order)
+            format!(
+                "a surface of {} vertices, {} channels and order {}",
+                self.vertex_count(),
+                self.channels,
+                self.order
+            )
         })
     }
 

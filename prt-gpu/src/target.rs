@@ -37,7 +37,8 @@ impl Target {
         let pixels = Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
         let color = texture(gpu, size, Resolve::COLOR_FORMAT, pixels);
         let depth = texture(gpu, size, Resolve::DEPTH_FORMAT, pixels);
-        let nearest = texture(gpu, sample_size, DrawSurface::NEAREST_FORMAT, Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING);
+        let nearest =
+            texture(gpu, sample_size, DrawSurface::NEAREST_FORMAT, Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING);
         let sample_depth = texture(gpu, sample_size, DrawSurface::DEPTH_FORMAT, Usage::RENDER_ATTACHMENT);
         let [nearest, sample_depth] = [nearest, sample_depth].map(|t| t.create_view(&Default::default()));
         let views = [&color, &depth].map(|t| t.create_view(&Default::default()));
@@ -85,7 +86,12 @@ impl Target {
     }
 }
 
-fn texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+fn texture(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     gpu.device().create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },

@@ -5,6 +5,7 @@ mod camera;
 mod cancel;
 mod demo_scene;
 mod difference;
+mod laps;
 mod lighting;
 mod memory;
 mod output;

@@ -52,7 +52,8 @@ pub(crate) fn failure(error: &anyhow::Error) -> ExitCode {
     if error.is::<Usage>() { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }
 }
 
-fn one_line(error: &anyhow::Error) -> String {
+/// An error and its causes.
+pub(crate) fn one_line(error: &anyhow::Error) -> String {
     let text = format!("{error:#}");
     text.split(['\n', '\r']).map(str::trim).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
 }

@@ -17,6 +17,14 @@ pub(crate) fn check(path: &Path) -> anyhow::Result<()> {
     }
 }
 
+/// Fails if writing the output would destroy the input.
+pub(crate) fn check_differs(output: &Path, input: &Path) -> anyhow::Result<()> {
+    let is_same =
+        fs::canonicalize(output).is_ok_and(|output| fs::canonicalize(input).is_ok_and(|input| input == output));
+    anyhow::ensure!(!is_same, "cannot write {}: it is the file to read", output.display());
+    Ok(())
+}
+
 /// A file appears in its folder under another name first.
 fn check_folder(path: &Path) -> anyhow::Result<()> {
     let folder = folder_of(path);

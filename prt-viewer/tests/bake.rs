@@ -130,6 +130,7 @@ fn outputs_that_cannot_be_written_are_refused_before_baking() {
     place.write_scene();
     place.refuses(&["bake", "scene.obj", "-o", "no/such/a.prt"], 1, &["cannot write no/such/a.prt", "no folder"]);
     place.refuses(&["bake", "scene.obj", "-o", "."], 1, &["cannot write ."]);
+    place.refuses(&["bake", "scene.obj", "-o", "./scene.obj"], 1, &["cannot write ./scene.obj", "file to read"]);
     if cfg!(target_os = "linux") {
         let many = ["bake", "scene.obj", "--rays", "16", "-o", "/dev/full"];
         place.refuses(&many, 1, &["cannot write /dev/full", "No space left"]);

@@ -31,7 +31,8 @@ pub(super) struct Corner {
 
 /// The part of a triangle inside the given planes (bits as in [`outside`]): a convex polygon of 0 or 3 to 10 corners.
 pub(super) fn clip(triangle: [[f64; 4]; 3], planes: u8) -> Vec<Corner> {
-    let original = |k: usize| Corner { clip: triangle[k], weight: std::array::from_fn(|i| f64::from(i == k)), original: Some(k) };
+    let original =
+        |k: usize| Corner { clip: triangle[k], weight: std::array::from_fn(|i| f64::from(i == k)), original: Some(k) };
     let mut polygon: Vec<Corner> = (0..3).map(original).collect();
     for plane in (0..PLANE_COUNT).rev().filter(|plane| planes & (1 << plane) != 0) {
         polygon = clip_plane(&polygon, plane);

@@ -11,6 +11,7 @@ use crate::layout::{ClipVertex, ScreenVertex};
 use crate::triangle::SUBPIXEL_STEPS;
 use bytemuck::Zeroable;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Triangles that one task assembles.
@@ -36,7 +37,8 @@ pub(crate) struct Assembly {
 pub(crate) fn assemble(positions: &[[f32; 3]], triangles: &[[u32; 3]], view: &View) -> Assembly {
     let screen = Screen::new(view);
     let project = |position: &[f32; 3]| screen.project(*position);
-    let (projected, mut vertices): (Vec<Projected>, Vec<ScreenVertex>) = positions.par_iter().with_min_len(4096).map(project).unzip();
+    let (projected, mut vertices): (Vec<Projected>, Vec<ScreenVertex>) =
+        positions.par_iter().with_min_len(4096).map(project).unzip();
     let assemble_part = |triangles: &[[u32; 3]]| {
         let mut part = Part::new(&screen, &projected, &vertices);
         triangles.iter().for_each(|&corners| part.add(corners));
@@ -133,7 +135,10 @@ impl<'a> Part<'a> {
     }
 
     /// Clips a triangle and adds what is left as a fan.
-    fn add_clipped(&mut self, corners: [u32; 3], planes: u8, is_front: bool) {
+    ///
+    /// The corners are sorted by position before, so that two coincident triangles give the same fan whatever their winding.
+    fn add_clipped(&mut self, mut corners: [u32; 3], planes: u8, is_front: bool) {
+        corners.sort_by(|&a, &b| compare(self.projected[a as usize].clip, self.projected[b as usize].clip));
         let polygon = clip::clip(corners.map(|v| self.projected[v as usize].clip), planes);
         let ids: Vec<u32> = polygon.iter().map(|corner| self.number(corner, corners)).collect();
         for pair in ids.windows(2).skip(1) {
@@ -169,6 +174,10 @@ impl<'a> Part<'a> {
         let triangles = if is_front { &mut self.made.front } else { &mut self.made.back };
         triangles.push(order.map(|k| corners[k]));
     }
+}
+
+fn compare(a: [f64; 4], b: [f64; 4]) -> Ordering {
+    a.partial_cmp(&b).unwrap_or(Ordering::Equal)
 }
 
 /// Positive if the triangle is seen counterclockwise with y up; also right for a triangle that is partly behind the camera.

@@ -25,7 +25,12 @@ impl DrawSurface {
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(DRAW_SURFACE.name),
             layout: None,
-            vertex: wgpu::VertexState { module: &module, entry_point: None, compilation_options: Default::default(), buffers: &[] },
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: None,
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
             primitive: Default::default(),
             depth_stencil: Some(depth),
             multisample: Default::default(),
@@ -47,7 +52,13 @@ impl DrawSurface {
     }
 
     /// - `screen`: bound as [`DrawSurface::layout`]
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, screen: &wgpu::BindGroup, corner_count: u32, target: &Target) {
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        screen: &wgpu::BindGroup,
+        corner_count: u32,
+        target: &Target,
+    ) {
         let nearest = wgpu::RenderPassColorAttachment {
             view: &target.nearest,
             depth_slice: None,

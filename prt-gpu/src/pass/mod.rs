@@ -22,7 +22,11 @@ pub(crate) struct Passes {
 
 impl Passes {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        Self { shade_vector: ShadeVector::new(device), draw_surface: DrawSurface::new(device), resolve: Resolve::new(device) }
+        Self {
+            shade_vector: ShadeVector::new(device),
+            draw_surface: DrawSurface::new(device),
+            resolve: Resolve::new(device),
+        }
     }
 }
 
@@ -43,7 +47,11 @@ fn compute_pipeline(device: &wgpu::Device, shader: Shader) -> wgpu::ComputePipel
 }
 
 /// A bind group of resources in the order of their binding numbers, from 0.
-pub(crate) fn bind(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+pub(crate) fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[wgpu::BindingResource<'_>],
+) -> wgpu::BindGroup {
     let numbered = resources.iter().cloned().enumerate();
     let entries: Vec<_> = numbered.map(|(i, resource)| wgpu::BindGroupEntry { binding: i as u32, resource }).collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })

@@ -47,7 +47,9 @@ impl Presenter {
     pub fn prepare(&mut self, target: &Target, options: &PresentOptions<'_>) -> Result<(), Error> {
         let world_from_clip = match options.background {
             None => [[0.0; 4]; 4],
-            Some((_, view)) => invert(&view.clip_from_world).ok_or_else(|| Error::View("the camera matrix has no inverse".into()))?,
+            Some((_, view)) => {
+                invert(&view.clip_from_world).ok_or_else(|| Error::View("the camera matrix has no inverse".into()))?
+            }
         };
         let params = PresentParams {
             world_from_clip,
@@ -90,10 +92,17 @@ impl Background {
     /// [`Error::Length`], [`Error::Limit`], [`Error::Device`].
     pub fn new(gpu: &Gpu, width: u32, height: u32, pixels: &[[f32; 3]]) -> Result<Self, Error> {
         let needed = width as usize * height as usize;
-        crate::surface::check_length("background", pixels.len(), "pixels", needed, || format!("an image of {width} x {height}"))?;
+        crate::surface::check_length("background", pixels.len(), "pixels", needed, || {
+            format!("an image of {width} x {height}")
+        })?;
         let (limit, side) = (gpu.device().limits().max_texture_dimension_2d, width.max(height));
         if side > limit || needed == 0 {
-            return Err(gpu.limit_error(format!("a background of {width} x {height}"), side.into(), "pixels in a row or column", limit.into()));
+            return Err(gpu.limit_error(
+                format!("a background of {width} x {height}"),
+                side.into(),
+                "pixels in a row or column",
+                limit.into(),
+            ));
         }
         let texture = gpu.checked("uploading a background", || upload(gpu, width, height, pixels))?;
         Ok(Self { texture })
@@ -119,8 +128,13 @@ fn upload(gpu: &Gpu, width: u32, height: u32, pixels: &[[f32; 3]]) -> wgpu::Text
 }
 
 fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
-    let uniform = wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
+    let entry =
+        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
+    let uniform = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
     // Read texel by texel: adapters need not filter 32-bit floats.
     let image = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
@@ -131,7 +145,11 @@ fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(PRESENT.name), entries: &entries })
 }
 
-fn pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
     let module = compile(device, PRESENT);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(PRESENT.name),
@@ -143,7 +161,12 @@ fn pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, format: wgpu:
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(PRESENT.name),
         layout: Some(&layout),
-        vertex: wgpu::VertexState { module: &module, entry_point: None, compilation_options: Default::default(), buffers: &[] },
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: None,
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
         primitive: Default::default(),
         depth_stencil: None,
         multisample: Default::default(),
@@ -161,8 +184,9 @@ fn pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, format: wgpu:
 /// Inverse of a column-major matrix by Gauss-Jordan elimination with row pivoting in `f64`; `None` if it is singular.
 fn invert(matrix: &[[f32; 4]; 4]) -> Option<[[f32; 4]; 4]> {
     // Row r of [M | I].
-    let mut rows: [[f64; 8]; 4] =
-        std::array::from_fn(|r| std::array::from_fn(|c| if c < 4 { matrix[c][r].into() } else { f64::from(u8::from(c == r + 4)) }));
+    let mut rows: [[f64; 8]; 4] = std::array::from_fn(|r| {
+        std::array::from_fn(|c| if c < 4 { matrix[c][r].into() } else { f64::from(u8::from(c == r + 4)) })
+    });
     for pivot in 0..4 {
         let largest = (pivot..4).max_by(|&a, &b| rows[a][pivot].abs().total_cmp(&rows[b][pivot].abs()))?;
         rows.swap(pivot, largest);
@@ -188,10 +212,10 @@ mod tests {
     fn an_inverse_times_the_matrix_is_the_identity() {
         let matrix = [[0.0, 2.0, 0.0, 0.5], [1.0, 0.0, 3.0, 0.0], [0.0, 1.0, -1.0, -1.0], [4.0, 5.0, 6.0, 7.0]];
         let inverse = invert(&matrix).unwrap();
-        for c in 0..4 {
-            for r in 0..4 {
-                let product: f32 = (0..4).map(|k| matrix[k][r] * inverse[c][k]).sum();
-                assert!((product - f32::from(u8::from(c == r))).abs() < 1e-5, "column {c}, row {r}: {product}");
+        for (c, column) in inverse.iter().enumerate() {
+            let product: [f32; 4] = std::array::from_fn(|r| (0..4).map(|k| matrix[k][r] * column[k]).sum());
+            for (r, x) in product.into_iter().enumerate() {
+                assert!((x - f32::from(u8::from(c == r))).abs() < 1e-5, "column {c}, row {r}: {x}");
             }
         }
     }

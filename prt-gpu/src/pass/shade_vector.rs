@@ -1,8 +1,8 @@
 use super::{bind, compute_pipeline};
 use crate::buffers::GpuVec;
 use crate::layout::{self, Chunk, ShadeParams};
-use crate::{Error, Gpu, Surface};
 use crate::shaders::SHADE_VECTOR;
+use crate::{Error, Gpu, Surface};
 use sh_core::Order;
 use wgpu::BufferUsages as Usage;
 
@@ -61,7 +61,9 @@ impl Shading {
         };
         let bytes = layout::transfer_bytes_per_vertex(surface);
         let chunks = layout::split_transfer(surface.vertex_count(), bytes, max_bytes);
-        let chunks = chunks.ok_or_else(|| gpu.limit_error("transfer of one vertex".into(), bytes as u64, "bytes in one binding", max_bytes))?;
+        let chunks = chunks.ok_or_else(|| {
+            gpu.limit_error("transfer of one vertex".into(), bytes as u64, "bytes in one binding", max_bytes)
+        })?;
         shading.parts = chunks.into_iter().map(|chunk| shading.part(gpu, surface, chunk)).collect::<Result<_, _>>()?;
         Ok(shading)
     }
@@ -69,8 +71,9 @@ impl Shading {
     fn part(&self, gpu: &Gpu, surface: &Surface<'_>, chunk: Chunk) -> Result<Part, Error> {
         let group_count = (chunk.vertex_count as u32).div_ceil(WORKGROUP);
         let max_side = gpu.device().limits().max_compute_workgroups_per_dimension;
-        let groups = layout::split_dispatch(group_count, max_side)
-            .ok_or_else(|| gpu.limit_error("shading".into(), group_count.into(), "workgroups", u64::from(max_side).pow(2)))?;
+        let groups = layout::split_dispatch(group_count, max_side).ok_or_else(|| {
+            gpu.limit_error("shading".into(), group_count.into(), "workgroups", u64::from(max_side).pow(2))
+        })?;
         let params = ShadeParams {
             first_vertex: chunk.first_vertex as u32,
             vertex_count: chunk.vertex_count as u32,
@@ -86,8 +89,14 @@ impl Shading {
         Ok(Part { params, params_buffer, bind_group, groups })
     }
 
-    fn bind(&self, gpu: &Gpu, params: &GpuVec<ShadeParams>, transfer: &GpuVec<[f32; 4]>) -> Result<wgpu::BindGroup, Error> {
-        let buffers = [params.buffer(), transfer.buffer(), self.light.buffer(), self.albedo.buffer(), self.radiance.buffer()];
+    fn bind(
+        &self,
+        gpu: &Gpu,
+        params: &GpuVec<ShadeParams>,
+        transfer: &GpuVec<[f32; 4]>,
+    ) -> Result<wgpu::BindGroup, Error> {
+        let buffers =
+            [params.buffer(), transfer.buffer(), self.light.buffer(), self.albedo.buffer(), self.radiance.buffer()];
         let layout = gpu.passes().shade_vector.pipeline.get_bind_group_layout(0);
         gpu.checked("binding buffers", || bind(gpu.device(), &layout, &buffers.map(wgpu::Buffer::as_entire_binding)))
     }

@@ -38,7 +38,7 @@ pub(crate) fn demo_scene() -> MeshSource {
 /// Where the plate ends.
 const PLATE_RADIUS: f64 = 2.3;
 
-/// Tessellated finely, because it receives the shadows: rings 2.3 cm apart.
+/// Tessellated finely, because it receives the shadows: rings 2.5 cm apart.
 fn plate(shapes: &mut Shapes) {
     const EDGE: f64 = 0.06;
     const THICKNESS: f64 = 0.2;
@@ -49,14 +49,14 @@ fn plate(shapes: &mut Shapes) {
     };
     let mut outline = vec![[0.0, -THICKNESS], [flat, -THICKNESS], [PLATE_RADIUS - 0.01, -THICKNESS + 0.01]];
     outline.extend((0..=6).map(|i| rim(f64::from(i) / 6.0)));
-    let rings = 96;
+    let rings = 90;
     outline.extend((0..rings).rev().map(|i| [flat * f64::from(i) / f64::from(rings), 0.0]));
     let color = |point: DVec3| {
         let radius = point.x.hypot(point.z);
         let inlay = (1.79..1.87).contains(&radius) || (1.93..1.95).contains(&radius);
         if inlay { DARK_STONE } else { STONE }
     };
-    shapes.lathe(DVec3::ZERO, &outline, 312, |[radius, _], _| radius, color);
+    shapes.lathe(DVec3::ZERO, &outline, 288, |[radius, _], _| radius, color);
 }
 
 /// A trefoil, standing upright on its lowest bow.
@@ -70,7 +70,7 @@ fn knot(shapes: &mut Shapes, at: DVec3) {
     };
     let lowest = (0..2000).map(|i| curve(f64::from(i) / 2000.0).y).fold(f64::INFINITY, f64::min);
     let lift = at + DVec3::Y * (TUBE - lowest - SUNK);
-    shapes.tube(|s| lift + curve(s), TUBE, 320, 40, CORAL);
+    shapes.tube(|s| lift + curve(s), TUBE, 280, 36, CORAL);
 }
 
 /// Base, fluted shaft and capital.
@@ -95,18 +95,18 @@ fn column(shapes: &mut Shapes, at: DVec3) {
         let is_shaft = smooth_step((height - SHAFT[0] - 0.01) / 0.06) * smooth_step((SHAFT[1] - 0.01 - height) / 0.06);
         radius * (1.0 - 0.10 * is_shaft * (0.5 * FLUTES * angle).sin().powi(2))
     };
-    shapes.lathe(at, &outline, 144, fluted, |_| MARBLE);
+    shapes.lathe(at, &outline, 112, fluted, |_| MARBLE);
 }
 
 /// An open vase with an inner wall.
 fn vase(shapes: &mut Shapes, at: DVec3) {
     /// Height and outer radius.
     const OUTLINE: [Point; 7] =
-        [[0.0, 0.17], [0.06, 0.22], [0.30, 0.34], [0.55, 0.30], [0.74, 0.15], [0.86, 0.145], [0.95, 0.21]];
+        [[0.0, 0.135], [0.05, 0.215], [0.30, 0.34], [0.55, 0.30], [0.74, 0.15], [0.86, 0.145], [0.95, 0.21]];
     const WALL: f64 = 0.022;
     /// Height of the floor inside.
     const FLOOR: f64 = 0.05;
-    let outer = (0..=36).map(|i| smooth_outline(&OUTLINE, f64::from(i) / 36.0));
+    let outer = (0..=30).map(|i| smooth_outline(&OUTLINE, f64::from(i) / 30.0));
     let outer: Vec<Point> = outer.map(|[height, radius]| [radius, height - SUNK]).collect();
     let inner =
         outer.iter().rev().filter(|[_, height]| *height > FLOOR).map(|&[radius, height]| [radius - WALL, height]);
@@ -116,7 +116,7 @@ fn vase(shapes: &mut Shapes, at: DVec3) {
     outline.push([radius - 0.5 * WALL, height + 0.012]);
     outline.extend(inner);
     outline.push([0.0, FLOOR]);
-    shapes.lathe(at, &outline, 80, |[radius, _], _| radius, |_| TEAL);
+    shapes.lathe(at, &outline, 72, |[radius, _], _| radius, |_| TEAL);
 }
 
 /// A low curved wall behind the knot.
@@ -127,7 +127,7 @@ fn wall(shapes: &mut Shapes) {
     let mut section = standing(HALF_WIDTH, HEIGHT, 18);
     section.extend(arc([0.0, HEIGHT], HALF_WIDTH, 0.0, 0.5, 10).into_iter().skip(1));
     section.extend(standing(-HALF_WIDTH, HEIGHT, 18).into_iter().rev().skip(1));
-    shapes.arc_wall(RADIUS, &section, [-0.31 * TAU, -0.10 * TAU], 72, SLATE);
+    shapes.arc_wall(RADIUS, &section, [-0.31 * TAU, -0.10 * TAU], 64, SLATE);
 }
 
 /// A vertical line from within the plate to a height, on a foot that is set back: what touches the plate is dark, and so are the

@@ -1,5 +1,4 @@
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use prt_bake::{
     BakeOptions, BakeReport, BakedSurface, Error, Mesh, MeshOptions, MeshReport, Source, bake_diffuse, load_mesh,
@@ -7,6 +6,7 @@ use prt_bake::{
 use serde::Serialize;
 use sh_core::Order;
 
+use crate::laps::Laps;
 use crate::progress_bar::BakeBar;
 use crate::{arguments, cancel, memory, output, output_file};
 
@@ -93,8 +93,8 @@ struct Seconds {
 
 #[derive(Debug, Serialize)]
 struct Report {
-    scene: PathBuf,
-    output: PathBuf,
+    scene: String,
+    output: String,
     vertices: usize,
     triangles: usize,
     faces_dropped: usize,
@@ -126,21 +126,28 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.unshadowed && arguments.bounces > 0 {
         return Err(output::usage("--bounces needs shadowed transfer: leave out --unshadowed"));
     }
-    let start = Instant::now();
+    let mut laps = Laps::start();
     let output = arguments.output();
     output_file::check(&output)?;
+    output_file::check_differs(&output, &arguments.scene)?;
     cancel::listen()?;
     let (mesh, mesh_report) = load(arguments)?;
     let source = Source::of_file(&arguments.scene)?;
-    let load = start.elapsed();
+    let load = laps.lap();
     cancel::check()?;
     let (mut baked, bake_report) = bake(&mesh, &arguments.bake_options(), &arguments.scene.display().to_string())?;
     baked.metadata.source = Some(source);
     cancel::check()?;
-    let write_start = Instant::now();
+    laps.lap();
     let output_bytes = baked.write(&output)?;
-    let times = Times { load, write: write_start.elapsed(), total: start.elapsed() };
-    let report = Report { output_bytes, ..report(arguments, output, &baked, &mesh_report, bake_report, times) };
+    let seconds = Seconds {
+        load,
+        build: bake_report.build.as_secs_f64(),
+        trace: bake_report.trace.as_secs_f64(),
+        write: laps.lap(),
+        total: laps.total(),
+    };
+    let report = report(arguments, &output, output_bytes, &baked, &mesh_report, bake_report, seconds);
     output::result(arguments.json, &report, || summary(&report))
 }
 
@@ -159,6 +166,12 @@ pub(crate) fn bake(mesh: &Mesh, options: &BakeOptions, name: &str) -> anyhow::Re
     baked.map_err(|error| name_file(error, &name))
 }
 
+/// Million rays per second of tracing; 0 if there was nothing to trace.
+pub(crate) fn mrays_per_second(report: &BakeReport) -> f64 {
+    let seconds = report.trace.as_secs_f64();
+    if seconds > 0.0 { report.rays_traced as f64 / seconds / 1e6 } else { 0.0 }
+}
+
 /// Says what could not be baked, for errors that do not name the file themselves.
 fn name_file(error: Error, name: &dyn std::fmt::Display) -> anyhow::Error {
     match error {
@@ -169,25 +182,18 @@ fn name_file(error: Error, name: &dyn std::fmt::Display) -> anyhow::Error {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Times {
-    load: Duration,
-    write: Duration,
-    total: Duration,
-}
-
 fn report(
     arguments: &Arguments,
-    output: PathBuf,
+    output: &Path,
+    output_bytes: u64,
     baked: &BakedSurface,
     mesh: &MeshReport,
     bake: BakeReport,
-    times: Times,
+    seconds: Seconds,
 ) -> Report {
-    let trace = bake.trace.as_secs_f64();
     Report {
-        scene: arguments.scene.clone(),
-        output,
+        scene: arguments.scene.display().to_string(),
+        output: output.display().to_string(),
         vertices: baked.positions.len(),
         triangles: baked.triangles.len(),
         faces_dropped: mesh.faces_dropped(),
@@ -201,21 +207,15 @@ fn report(
         rays_per_vertex: baked.metadata.rays,
         rays_traced: bake.rays_traced,
         bounces: baked.metadata.bounces,
-        bounce_energy: bake.bounce_energy,
         occluded_share: bake.occluded_share,
         error: bake.error,
         seed: baked.metadata.seed,
         threads: bake.threads,
-        mrays_per_second: if trace > 0.0 { bake.rays_traced as f64 / trace / 1e6 } else { 0.0 },
-        seconds: Seconds {
-            load: times.load.as_secs_f64(),
-            build: bake.build.as_secs_f64(),
-            trace,
-            write: times.write.as_secs_f64(),
-            total: times.total.as_secs_f64(),
-        },
+        mrays_per_second: mrays_per_second(&bake),
+        bounce_energy: bake.bounce_energy,
+        seconds,
         peak_memory_bytes: memory::peak_bytes(),
-        output_bytes: 0,
+        output_bytes,
     }
 }
 
@@ -238,7 +238,7 @@ fn summary(report: &Report) -> String {
         report.seconds.trace,
         report.mrays_per_second,
         error.unwrap_or_default(),
-        report.output.display(),
+        report.output,
         output::bytes(report.output_bytes),
         report.seconds.total,
         memory.unwrap_or_default()

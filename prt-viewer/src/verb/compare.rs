@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -32,13 +33,13 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    a: &'a Path,
-    b: &'a Path,
+    a: Cow<'a, str>,
+    b: Cow<'a, str>,
     width: usize,
     height: usize,
     #[serde(flatten)]
     difference: Difference,
-    output: Option<&'a Path>,
+    output: Option<Cow<'a, str>>,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -53,7 +54,14 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let scale = if is_exr || difference.max_abs == 0.0 { 1.0 } else { (1.0 / difference.max_abs) as f32 };
         difference::picture(&image, &reference, scale).save(path)?;
     }
-    let report = Report { a, b, width: image.width, height: image.height, difference, output: output.as_deref() };
+    let report = Report {
+        a: a.to_string_lossy(),
+        b: b.to_string_lossy(),
+        width: image.width,
+        height: image.height,
+        difference,
+        output: output.as_deref().map(Path::to_string_lossy),
+    };
     output::result(arguments.json, &report, || summary(&report))
 }
 
@@ -69,8 +77,8 @@ fn summary(report: &Report<'_>) -> String {
         "mse      {mse:.6e}\nrelmse   {relmse:.6e}\npsnr     {psnr} (peak {peak})\nmax_abs  {max_abs:.6e}\nmean     {:.6} of a, {:.6} of b",
         mean[0], mean[1]
     );
-    if let Some(path) = report.output {
-        text += &format!("\nwrote {}", path.display());
+    if let Some(path) = &report.output {
+        text += &format!("\nwrote {path}");
     }
     text
 }

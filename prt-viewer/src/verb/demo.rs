@@ -1,10 +1,9 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
 use anyhow::Context;
 use glam::{Quat, Vec3};
-use prt_bake::{BakeOptions, BakedSurface, Mesh, MeshOptions};
+use prt_bake::{BakeOptions, BakeReport, BakedSurface, Mesh, MeshOptions};
 use prt_gpu::View;
 use serde::Serialize;
 use sh_core::Order;
@@ -12,6 +11,8 @@ use sh_core::Order;
 use crate::arguments::Size;
 use crate::camera::{Camera, Orbit, Sphere};
 use crate::demo_scene::demo_scene;
+use crate::laps::Laps;
+use crate::lighting::Lighting;
 use crate::picture::{self, Backdrop};
 use crate::shading::{self, Backend, Shaded};
 use crate::window::{self, Subject};
@@ -35,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "auto")]
     backend: Backend,
     /// Without a verb: rays per vertex
-    #[arg(long, value_name = "COUNT", default_value = "1280", value_parser = arguments::rays)]
+    #[arg(long, value_name = "COUNT", default_value = "1024", value_parser = arguments::rays)]
     rays: usize,
     /// Without a verb: print one JSON object, before the window opens
     #[arg(long)]
@@ -66,26 +67,24 @@ struct Report {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let start = Instant::now();
-    let (picture, baked_file) = (PathBuf::from(PICTURE), PathBuf::from(BAKED));
-    output_file::check(&picture)?;
-    output_file::check(&baked_file)?;
+    let mut laps = Laps::start();
+    output_file::check(Path::new(PICTURE))?;
+    output_file::check(Path::new(BAKED))?;
     cancel::listen()?;
 
     output::note("baking the built-in scene");
-    let (mesh, _) = Mesh::new(demo_scene(), &MeshOptions::default()).context("cannot build the built-in scene")?;
-    let (baked, bake) = super::bake::bake(&mesh, &bake_options(arguments.rays)?, "the built-in scene")?;
-    baked.write(&baked_file)?;
-    let bake_seconds = start.elapsed().as_secs_f64();
+    let (baked, bake_report) = bake(arguments.rays)?;
+    baked.write(Path::new(BAKED))?;
+    cancel::check()?;
+    let bake_seconds = laps.lap();
 
     let camera = camera();
     let lightings = super::view::lightings(&[], baked.transfer.order)?;
     let shaded =
         shade(&baked, &lightings[0], &camera, arguments.backend).context("cannot render the built-in scene")?;
     let backdrop = Backdrop { lighting: &lightings[0], scene_from_environment: Quat::IDENTITY, camera: &camera };
-    picture::save(&picture::develop(&shaded.frame, Some(&backdrop)), &picture, EXPOSURE)?;
-    cancel::check()?;
-    let total = start.elapsed().as_secs_f64();
+    picture::save(&picture::develop(&shaded.frame, Some(&backdrop)), Path::new(PICTURE), EXPOSURE)?;
+    cancel::stop_listening();
 
     let report = Report {
         picture: PICTURE,
@@ -94,37 +93,29 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         triangles: baked.triangles.len(),
         order: baked.transfer.order.get(),
         bounces: baked.metadata.bounces,
-        rays_traced: bake.rays_traced,
-        mrays_per_second: bake.rays_traced as f64 / bake.trace.as_secs_f64().max(1e-9) / 1e6,
+        rays_traced: bake_report.rays_traced,
+        mrays_per_second: super::bake::mrays_per_second(&bake_report),
         backend: shaded.backend,
         adapter: shaded.adapter,
-        seconds: Seconds { bake: bake_seconds, render: total - bake_seconds, total },
+        seconds: Seconds { bake: bake_seconds, render: laps.lap(), total: laps.total() },
     };
     output::result(arguments.json, &report, || summary(&report))?;
-    if arguments.no_window {
-        return Ok(());
+    if !arguments.no_window {
+        open_window(baked, lightings, &camera);
     }
-    let subject = Subject {
-        path: baked_file,
-        baked: Arc::new(baked),
-        lightings,
-        scene_from_environment: Quat::IDENTITY,
-        orbit: Orbit::through(&camera),
-        exposure: EXPOSURE,
-    };
-    cancel::stop_listening();
-    open_window(subject);
     Ok(())
 }
 
-fn bake_options(rays_per_vertex: usize) -> anyhow::Result<BakeOptions> {
-    Ok(BakeOptions {
-        order: Order::new(7)?,
+fn bake(rays_per_vertex: usize) -> anyhow::Result<(BakedSurface, BakeReport)> {
+    let (mesh, _) = Mesh::new(demo_scene(), &MeshOptions::default()).context("cannot build the built-in scene")?;
+    let options = BakeOptions {
+        order: Order::new(6)?,
         rays_per_vertex,
         bounces: 2,
         keep_shadowed: true,
         ..BakeOptions::default()
-    })
+    };
+    super::bake::bake(&mesh, &options, "the built-in scene")
 }
 
 /// From the front and above, with the whole plate in the picture.
@@ -132,12 +123,7 @@ fn camera() -> Camera {
     Camera { eye: Vec3::new(0.9, 2.2, 6.2), target: Vec3::new(0.0, 0.64, 0.0), up: Vec3::Y, fov: 29_f32.to_radians() }
 }
 
-fn shade(
-    baked: &BakedSurface,
-    lighting: &crate::lighting::Lighting,
-    camera: &Camera,
-    backend: Backend,
-) -> anyhow::Result<Shaded> {
+fn shade(baked: &BakedSurface, lighting: &Lighting, camera: &Camera, backend: Backend) -> anyhow::Result<Shaded> {
     let order = baked.transfer.order;
     let light = lighting.light(order, Quat::IDENTITY);
     let clip_from_world = camera.clip_from_world(SIZE.aspect(), Sphere::around(&baked.positions));
@@ -146,9 +132,17 @@ fn shade(
 }
 
 /// The picture is written: a machine without a display has done the job.
-fn open_window(subject: Subject) {
+fn open_window(baked: BakedSurface, lightings: Vec<Lighting>, camera: &Camera) {
+    let subject = Subject {
+        path: PathBuf::from(BAKED),
+        baked: Arc::new(baked),
+        lightings,
+        scene_from_environment: Quat::IDENTITY,
+        orbit: Orbit::through(camera),
+        exposure: EXPOSURE,
+    };
     if let Err(error) = window::open(subject, SIZE, None) {
-        output::note(format_args!("no window: {error:#}; the picture is in {PICTURE}"));
+        output::note(format_args!("no window: {}; the picture is in {PICTURE}", output::one_line(&error)));
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Serialize)]
 struct Report {
-    file: PathBuf,
+    file: String,
     #[serde(flatten)]
     content: Content,
 }
@@ -41,7 +41,7 @@ struct Tensor {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let report = Report { file: arguments.file.clone(), content: content(&arguments.file)? };
+    let report = Report { file: arguments.file.display().to_string(), content: content(&arguments.file)? };
     output::result(arguments.json, &report, || summary(&report))
 }
 
@@ -85,7 +85,7 @@ fn image(path: &Path) -> Result<Content, Error> {
 }
 
 fn summary(report: &Report) -> String {
-    let file = report.file.display();
+    let file = &report.file;
     match &report.content {
         Content::Baked { bytes, metadata, tensors } => {
             let metadata = metadata.iter().map(|(key, value)| format!("\n  {key:<18} {value}"));

@@ -1,8 +1,7 @@
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use glam::Quat;
 use prt_bake::BakedSurface;
 use prt_gpu::View;
 use serde::Serialize;
@@ -10,6 +9,7 @@ use sh_core::Order;
 
 use crate::arguments::{self, CameraArguments, LightArguments, Size};
 use crate::camera::{Camera, Sphere};
+use crate::laps::Laps;
 use crate::lighting::Lighting;
 use crate::picture::{self, Backdrop};
 use crate::shading::{self, Backend, Part, Shaded};
@@ -70,9 +70,9 @@ struct Steps {
 
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    file: &'a Path,
-    output: &'a Path,
-    env: &'a Path,
+    file: Cow<'a, str>,
+    output: Cow<'a, str>,
+    env: Cow<'a, str>,
     backend: &'static str,
     /// Name and driver of the GPU; `null` on the CPU.
     adapter: Option<String>,
@@ -86,6 +86,11 @@ struct Report<'a> {
     triangles: usize,
     order: usize,
     exposure: f32,
+    camera: CameraReport,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
     eye: [f32; 3],
     target: [f32; 3],
     up: [f32; 3],
@@ -93,40 +98,43 @@ struct Report<'a> {
     fov: f32,
 }
 
+impl CameraReport {
+    fn new(camera: &Camera) -> Self {
+        let Camera { eye, target, up, fov } = camera;
+        Self { eye: eye.to_array(), target: target.to_array(), up: up.to_array(), fov: fov.to_degrees() }
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let start = Instant::now();
+    let mut laps = Laps::start();
     output_file::check(&arguments.output)?;
     let baked = read(&arguments.file)?;
     let order = used_order(arguments, &baked)?;
     let camera = arguments.camera.camera(&baked.positions, arguments.size.aspect())?;
-    let load = start.elapsed();
+    let load = laps.lap();
 
     let lighting = Lighting::load(&arguments.env, order)?;
-    let environment = start.elapsed() - load;
+    let environment = laps.lap();
 
     let scene_from_environment = arguments.light.scene_from_environment();
-    let shaded = shade(arguments, &baked, &lighting, scene_from_environment, &camera)?;
-    let shade = start.elapsed() - load - environment;
+    let light = lighting.light(order, scene_from_environment);
+    let shaded = shade(arguments, &baked, &light, order, &camera)
+        .with_context(|| format!("cannot render {}", arguments.file.display()))?;
+    let shade = laps.lap();
 
     let backdrop = Backdrop { lighting: &lighting, scene_from_environment, camera: &camera };
     let image = picture::develop(&shaded.frame, arguments.show_env.then_some(&backdrop));
     let exposure = arguments.exposure.stops(&shaded.frame);
     picture::save(&image, &arguments.output, exposure)?;
-    let total = start.elapsed();
+    let steps = Steps { load, environment, shade, write: laps.lap() };
 
-    let steps = Steps {
-        load: load.as_secs_f64(),
-        environment: environment.as_secs_f64(),
-        shade: shade.as_secs_f64(),
-        write: (total - load - environment - shade).as_secs_f64(),
-    };
     let report = Report {
-        file: &arguments.file,
-        output: &arguments.output,
-        env: &arguments.env,
+        file: arguments.file.to_string_lossy(),
+        output: arguments.output.to_string_lossy(),
+        env: arguments.env.to_string_lossy(),
         backend: shaded.backend,
         adapter: shaded.adapter,
-        seconds: total.as_secs_f64(),
+        seconds: laps.total(),
         steps,
         width: arguments.size.width,
         height: arguments.size.height,
@@ -135,10 +143,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         triangles: baked.triangles.len(),
         order: order.get(),
         exposure,
-        eye: camera.eye.to_array(),
-        target: camera.target.to_array(),
-        up: camera.up.to_array(),
-        fov: camera.fov.to_degrees(),
+        camera: CameraReport::new(&camera),
     };
     output::result(arguments.json, &report, || summary(&report))
 }
@@ -168,19 +173,15 @@ fn used_order(arguments: &Arguments, baked: &BakedSurface) -> anyhow::Result<Ord
 fn shade(
     arguments: &Arguments,
     baked: &BakedSurface,
-    lighting: &Lighting,
-    scene_from_environment: Quat,
+    light: &[f32],
+    order: Order,
     camera: &Camera,
 ) -> anyhow::Result<Shaded> {
-    let cannot = || format!("cannot render {}", arguments.file.display());
-    let order = arguments.order.unwrap_or(baked.transfer.order);
-    let transfer = arguments.part.transfer(baked).with_context(cannot)?;
-    let light = lighting.light(order, scene_from_environment);
+    let transfer = arguments.part.transfer(baked)?;
     let Size { width, height } = arguments.size;
     let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&baked.positions));
-    let view = View::new(clip_from_world.to_cols_array_2d(), width, height, arguments.samples).with_context(cannot)?;
-    let surface = shading::surface(baked, &transfer).with_context(cannot)?;
-    shading::shade(&surface, &light, order, &view, arguments.backend).with_context(cannot)
+    let view = View::new(clip_from_world.to_cols_array_2d(), width, height, arguments.samples)?;
+    shading::shade(&shading::surface(baked, &transfer)?, light, order, &view, arguments.backend)
 }
 
 fn summary(report: &Report<'_>) -> String {
@@ -190,11 +191,6 @@ fn summary(report: &Report<'_>) -> String {
     };
     format!(
         "wrote {} ({} x {}) after {:.2} s: order {}, drawn by {place} in {:.2} s",
-        report.output.display(),
-        report.width,
-        report.height,
-        report.seconds,
-        report.order,
-        report.steps.shade
+        report.output, report.width, report.height, report.seconds, report.order, report.steps.shade
     )
 }

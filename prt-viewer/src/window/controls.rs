@@ -14,7 +14,7 @@ const HELP: [(&str, &str); 19] = [
     ("middle drag, Shift+drag", "move the object"),
     ("wheel, pinch", "nearer or farther"),
     ("right drag, Ctrl+drag, Alt+drag", "turn the light"),
-    ("drop a file", "add an environment (.hdr, .exr)"),
+    ("drop a file", "add an environment, .hdr or .exr (not on Wayland)"),
     ("E, Shift+E", "next, previous environment"),
     ("B", "environment in the background on or off"),
     ("+, -", "brighter, darker by half a stop"),
