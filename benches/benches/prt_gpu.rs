@@ -7,7 +7,6 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use prt_bake::MeshSource;
 use prt_gpu::{Gpu, Surface, SurfaceRenderer, View, cpu, wgpu};
 use prt_tests::icosphere;
 use sh_core::Order;
@@ -27,14 +26,15 @@ struct Input {
 
 impl Input {
     fn new(n: usize) -> Self {
-        let MeshSource { positions, triangles, .. } = icosphere(DVec3::ZERO, 1.0, 5);
+        let (vertices, triangles) = icosphere(DVec3::ZERO, 1.0, 5);
+        let positions: Vec<[f32; 3]> = vertices.iter().map(|[position, _]| position.as_vec3().to_array()).collect();
         let order = Order::new(n).expect("orders of benches are valid");
         let wave = |i: usize| (i as f32 * 0.7).sin();
         Self {
             albedo: vec![[0.8, 0.6, 0.4]; positions.len()],
             transfer: (0..positions.len() * n * n).map(wave).collect(),
             light: (0..3 * n * n).map(wave).collect(),
-            positions: positions.into_iter().map(|p| p.map(|x| x as f32)).collect(),
+            positions,
             triangles,
             order,
         }
