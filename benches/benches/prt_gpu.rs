@@ -3,6 +3,8 @@
 //! Names are `prt-gpu/what/twin/size`: `shade_vector` by order, throughput per vertex; `frame` by image side, shading, drawing and, on
 //! the GPU, reading back included. Without an adapter the GPU is left out, with a word.
 
+#![expect(clippy::print_stderr, reason = "a bench says which adapter it measures")]
+
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

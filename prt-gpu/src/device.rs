@@ -266,8 +266,11 @@ impl Account {
 
     fn text(&self) -> String {
         let line = |(adapter, fate): &(wgpu::Adapter, String)| format!("\n  {}: {fate}", describe(&adapter.get_info()));
+        let is_restricted = std::env::var_os("WGPU_BACKEND").is_some();
         match self.entries.is_empty() {
-            true => format!("{}, found none; is a driver installed?", self.searched),
+            true => {
+                format!("{}, found none{}", self.searched, if is_restricted { "" } else { "; is a driver installed?" })
+            }
             false => format!(
                 "{}, found {}:{}",
                 self.searched,

@@ -72,7 +72,7 @@ mod view;
 
 pub use device::Gpu;
 pub use error::Error;
-pub use pass::{Background, PresentOptions, Presenter};
+pub use pass::{Background, PresentOptions, Presenter, ShadingLimits};
 pub use renderer::SurfaceRenderer;
 pub use surface::Surface;
 pub use target::Target;

@@ -1,7 +1,7 @@
 use crate::assemble::{Assembly, assemble};
 use crate::buffers::{GpuVec, read_buffer};
 use crate::layout::{ClipVertex, FrameParams, ScreenVertex};
-use crate::pass::{Shading, bind};
+use crate::pass::{Shading, ShadingLimits, bind};
 use crate::surface::{check_length, check_light};
 use crate::{Error, Frame, Gpu, Surface, Target, View};
 use sh_core::Order;
@@ -35,15 +35,20 @@ impl SurfaceRenderer {
     /// # Errors
     /// [`Error::Limit`] for a surface too large for the adapter, [`Error::Device`].
     pub fn new(gpu: &Gpu, surface: &Surface<'_>) -> Result<Self, Error> {
-        Self::with_transfer_limit(gpu, surface, gpu.max_binding())
+        Self::with_limits(gpu, surface, ShadingLimits::of(gpu))
     }
 
-    /// As [`SurfaceRenderer::new`], with transfer split over buffers of at most `max_bytes` each.
+    /// As [`SurfaceRenderer::new`], with shading split into smaller pieces than the adapter needs; larger ones are cut to its limits.
     ///
     /// # Errors
     /// As [`SurfaceRenderer::new`].
-    pub fn with_transfer_limit(gpu: &Gpu, surface: &Surface<'_>, max_bytes: u64) -> Result<Self, Error> {
-        let shading = Shading::new(gpu, surface, max_bytes.min(gpu.max_binding()))?;
+    pub fn with_limits(gpu: &Gpu, surface: &Surface<'_>, limits: ShadingLimits) -> Result<Self, Error> {
+        let adapter = ShadingLimits::of(gpu);
+        let limits = ShadingLimits {
+            buffer_bytes: limits.buffer_bytes.min(adapter.buffer_bytes),
+            groups_per_side: limits.groups_per_side.min(adapter.groups_per_side),
+        };
+        let shading = Shading::new(gpu, surface, limits)?;
         let screen = Screen::new(gpu, surface, shading.radiance())?;
         Ok(Self {
             gpu: gpu.clone(),

@@ -5,8 +5,8 @@
 mod scene;
 
 use prt_gpu::{
-    Background, Error, Frame, Gpu, PresentOptions, Presenter, Surface, SurfaceRenderer, Target, View, cpu, tone_map,
-    wgpu,
+    Background, Error, Frame, Gpu, PresentOptions, Presenter, ShadingLimits, Surface, SurfaceRenderer, Target, View,
+    cpu, tone_map, wgpu,
 };
 use scene::{Scene, look_at, noise};
 use sh_core::Order;
@@ -147,22 +147,30 @@ fn assert_radiance(renderer: &mut SurfaceRenderer, surface: &Surface<'_>, light:
 }
 
 #[test]
-fn transfer_split_over_many_buffers_gives_the_same_bits() {
+fn shading_split_into_pieces_gives_the_same_bits() {
     let Some(gpu) = gpu() else { return };
     let scene = Scene::sphere(16, 4, 3);
-    let read = |limit: u64| {
-        let mut renderer = SurfaceRenderer::with_transfer_limit(&gpu, &scene.surface(), limit).unwrap();
+    let adapter = ShadingLimits::of(&gpu);
+    let open = |limits| SurfaceRenderer::with_limits(&gpu, &scene.surface(), limits);
+    let read = |limits| {
+        let mut renderer = open(limits).unwrap();
         renderer.set_light(&scene.light, scene.order).unwrap();
         renderer.read_radiance().unwrap()
     };
-    // One vertex takes 3 x 4 blocks of 16 bytes.
-    let whole = read(u64::MAX);
+    // 512 vertices, 8 workgroups; one vertex takes 3 x 4 blocks of 16 bytes.
+    let whole = read(adapter);
     for vertices_per_buffer in [1, 7, 64, 65, 200] {
-        assert_eq!(whole, read(vertices_per_buffer * 3 * 4 * 16), "{vertices_per_buffer} vertices per buffer");
+        let limits = ShadingLimits { buffer_bytes: vertices_per_buffer * 3 * 4 * 16, ..adapter };
+        assert_eq!(whole, read(limits), "{vertices_per_buffer} vertices per buffer");
     }
-    let error = SurfaceRenderer::with_transfer_limit(&gpu, &scene.surface(), 100).unwrap_err().to_string();
+    for groups_per_side in [3, 4, 7] {
+        assert_eq!(whole, read(ShadingLimits { groups_per_side, ..adapter }), "{groups_per_side} workgroups per side");
+    }
+    let error = open(ShadingLimits { buffer_bytes: 100, ..adapter }).unwrap_err().to_string();
     assert!(error.starts_with("transfer of one vertex needs 192 bytes in one binding; the adapter "), "{error}");
     assert!(error.ends_with(" allows 100"), "{error}");
+    let error = open(ShadingLimits { groups_per_side: 2, ..adapter }).unwrap_err().to_string();
+    assert!(error.starts_with("shading needs 8 workgroups; the adapter ") && error.ends_with(" allows 4"), "{error}");
 }
 
 #[test]
@@ -277,6 +285,17 @@ fn a_lost_device_is_an_error() {
 fn the_adapter_in_use_is_described() {
     let Some(gpu) = gpu() else { return };
     assert!(gpu.description().contains(&format!("{}: used", gpu.adapter_name())), "{}", gpu.description());
+}
+
+#[test]
+fn the_device_of_a_window_is_used_as_it_is() {
+    let Some(gpu) = gpu() else { return };
+    let shared = Gpu::from_parts(gpu.device().clone(), gpu.queue().clone(), gpu.info().clone()).unwrap();
+    assert_eq!(shared.description(), format!("{}: the window's adapter", gpu.adapter_name()));
+    let scene = Scene::sphere(8, 2, 1);
+    let view = View::new(look_at([0.0, 0.0, 3.0], 1.0, 0.1), 32, 32, 1).unwrap();
+    let (gpu, cpu) = render_both(&shared, &scene, &view);
+    assert!(assert_same(&gpu, &cpu) > 100);
 }
 
 /// Runs the ignored test of this name in a process with other environment variables.

@@ -19,6 +19,7 @@ pub fn shade_vector(surface: &Surface<'_>, light: &[f32], order: Order, out: &mu
     assert!(order <= surface.order, "order {order} exceeds the stored order {}", surface.order);
     assert_eq!(light.len(), 3 * order.coeff_count(), "length of the light");
     assert_eq!(out.len(), surface.vertex_count(), "length of the output");
+    assert_eq!(surface.transfer.len(), out.len() * surface.floats_per_vertex(), "length of the transfer");
     let rows = surface.transfer.par_chunks_exact(surface.floats_per_vertex());
     let vertices = rows.zip(surface.albedo).zip(out).with_min_len(1024);
     vertices.for_each(|((transfer, albedo), out)| *out = shade_vertex(surface, transfer, *albedo, light, order));

@@ -8,6 +8,7 @@ mod shade_vector;
 pub(crate) use draw_surface::DrawSurface;
 pub use present::{Background, PresentOptions, Presenter};
 pub(crate) use resolve::Resolve;
+pub use shade_vector::ShadingLimits;
 pub(crate) use shade_vector::{ShadeVector, Shading};
 
 use crate::shaders::Shader;

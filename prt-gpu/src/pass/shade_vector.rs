@@ -31,6 +31,25 @@ impl ShadeVector {
     }
 }
 
+/// How large the pieces may be that shading is split into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ShadingLimits {
+    /// Bytes of transfer in one buffer.
+    pub buffer_bytes: u64,
+    /// Workgroups of 64 vertices along each side of a two-dimensional dispatch.
+    pub groups_per_side: u32,
+}
+
+impl ShadingLimits {
+    /// The largest that the adapter allows.
+    pub fn of(gpu: &Gpu) -> Self {
+        Self {
+            buffer_bytes: gpu.max_binding(),
+            groups_per_side: gpu.device().limits().max_compute_workgroups_per_dimension,
+        }
+    }
+}
+
 /// What the pass reads and writes for one surface.
 #[derive(Debug)]
 pub(crate) struct Shading {
@@ -50,8 +69,8 @@ struct Part {
 }
 
 impl Shading {
-    /// Uploads transfer and albedo; no buffer of transfer is larger than `max_bytes`.
-    pub(crate) fn new(gpu: &Gpu, surface: &Surface<'_>, max_bytes: u64) -> Result<Self, Error> {
+    /// Uploads transfer and albedo.
+    pub(crate) fn new(gpu: &Gpu, surface: &Surface<'_>, limits: ShadingLimits) -> Result<Self, Error> {
         let blocks = layout::block_count(surface.order.coeff_count());
         let mut shading = Self {
             light: GpuVec::new(gpu, "light", Usage::STORAGE, 3 * blocks)?,
@@ -60,17 +79,17 @@ impl Shading {
             parts: Vec::new(),
         };
         let bytes = layout::transfer_bytes_per_vertex(surface);
-        let chunks = layout::split_transfer(surface.vertex_count(), bytes, max_bytes);
+        let chunks = layout::split_transfer(surface.vertex_count(), bytes, limits.buffer_bytes);
         let chunks = chunks.ok_or_else(|| {
-            gpu.limit_error("transfer of one vertex".into(), bytes as u64, "bytes in one binding", max_bytes)
+            gpu.limit_error("transfer of one vertex".into(), bytes as u64, "bytes in one binding", limits.buffer_bytes)
         })?;
-        shading.parts = chunks.into_iter().map(|chunk| shading.part(gpu, surface, chunk)).collect::<Result<_, _>>()?;
+        let parts = chunks.into_iter().map(|chunk| shading.part(gpu, surface, chunk, limits.groups_per_side));
+        shading.parts = parts.collect::<Result<_, _>>()?;
         Ok(shading)
     }
 
-    fn part(&self, gpu: &Gpu, surface: &Surface<'_>, chunk: Chunk) -> Result<Part, Error> {
+    fn part(&self, gpu: &Gpu, surface: &Surface<'_>, chunk: Chunk, max_side: u32) -> Result<Part, Error> {
         let group_count = (chunk.vertex_count as u32).div_ceil(WORKGROUP);
-        let max_side = gpu.device().limits().max_compute_workgroups_per_dimension;
         let groups = layout::split_dispatch(group_count, max_side).ok_or_else(|| {
             gpu.limit_error("shading".into(), group_count.into(), "workgroups", u64::from(max_side).pow(2))
         })?;

@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "auto")]
     backend: Backend,
     /// Without a verb: rays per vertex
-    #[arg(long, value_name = "COUNT", default_value = "1024", value_parser = arguments::rays)]
+    #[arg(long, value_name = "COUNT", default_value = "896", value_parser = arguments::rays)]
     rays: usize,
     /// Without a verb: print one JSON object, before the window opens
     #[arg(long)]
@@ -120,7 +120,7 @@ fn bake(rays_per_vertex: usize) -> anyhow::Result<(BakedSurface, BakeReport)> {
 
 /// From the front and above, with the whole plate in the picture.
 fn camera() -> Camera {
-    Camera { eye: Vec3::new(0.9, 2.2, 6.2), target: Vec3::new(0.0, 0.64, 0.0), up: Vec3::Y, fov: 29_f32.to_radians() }
+    Camera { eye: Vec3::new(0.9, 2.2, 6.2), target: Vec3::new(0.0, 0.62, 0.0), up: Vec3::Y, fov: 30_f32.to_radians() }
 }
 
 fn shade(baked: &BakedSurface, lighting: &Lighting, camera: &Camera, backend: Backend) -> anyhow::Result<Shaded> {
