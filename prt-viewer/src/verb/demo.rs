@@ -133,12 +133,15 @@ fn shade(baked: &BakedSurface, lighting: &Lighting, camera: &Camera, backend: Ba
 
 /// The picture is written: a machine without a display has done the job.
 fn open_window(baked: BakedSurface, lightings: Vec<Lighting>, camera: &Camera) {
+    let mut orbit = Orbit::through(camera);
+    // As far away as all that the picture shows is beside the panel.
+    orbit.zoom(SIZE.aspect() / window::picture_aspect(SIZE), Sphere::around(&baked.positions));
     let subject = Subject {
         path: PathBuf::from(BAKED),
         baked: Arc::new(baked),
         lightings,
         scene_from_environment: Quat::IDENTITY,
-        orbit: Orbit::through(camera),
+        orbit,
         exposure: EXPOSURE,
     };
     if let Err(error) = window::open(subject, SIZE, None) {

@@ -127,7 +127,9 @@ impl App {
             work_seconds,
             message: &self.message,
         };
-        egui::Panel::right("panel").default_size(230.0).show(ui, |ui| panel::show(ui, &mut self.settings, &facts));
+        egui::Panel::right("panel")
+            .default_size(panel::WIDTH)
+            .show(ui, |ui| panel::show(ui, &mut self.settings, &facts));
     }
 
     /// The picture, and what the mouse does to it.

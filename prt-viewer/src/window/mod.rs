@@ -48,6 +48,11 @@ pub(crate) fn no_display() -> Option<&'static str> {
         .then_some("there is no display: neither WAYLAND_DISPLAY nor DISPLAY is set")
 }
 
+/// Width over height of the picture in a window, which is what the panel leaves.
+pub(crate) fn picture_aspect(size: Size) -> f32 {
+    (size.width as f32 - panel::WIDTH).max(1.0) / size.height as f32
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors

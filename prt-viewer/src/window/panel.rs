@@ -10,6 +10,9 @@ use crate::lighting::Lighting;
 use crate::output;
 use crate::shading::Part;
 
+/// Width of the panel at first, points.
+pub(super) const WIDTH: f32 = 230.0;
+
 /// What the panel tells beside the settings.
 #[derive(Debug)]
 pub(super) struct Facts<'a> {
