@@ -4,8 +4,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# lavapipe is a Vulkan adapter in software; the X libraries and Xvfb open a window without a screen.
-packages=(gcc libc6-dev mesa-vulkan-drivers xvfb libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2 libx11-xcb1)
+# lavapipe is a Vulkan adapter in software; the X libraries and Xvfb open a window without a screen; procps has `kill`.
+packages=(gcc libc6-dev procps mesa-vulkan-drivers xvfb libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2 libx11-xcb1)
 missing=()
 for package in "${packages[@]}"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")

@@ -237,9 +237,10 @@ struct Account {
 
 impl Account {
     fn new() -> Self {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
-        let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+        let mut adapters = match wgpu::Backends::from_env() {
+            Some(backends) => find(backends),
+            None => find_native_or_gl(),
+        };
         adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
         let entries = adapters.into_iter().map(|adapter| (adapter, "not needed".to_string())).collect();
         Self { searched: searched(), entries }
@@ -281,6 +282,18 @@ impl Account {
     }
 }
 
+fn find(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends = backends;
+    pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends))
+}
+
+/// OpenGL repeats what the native interfaces find, starts slowly, and its libraries print messages of their own.
+fn find_native_or_gl() -> Vec<wgpu::Adapter> {
+    let native = find(wgpu::Backends::all() - wgpu::Backends::GL);
+    if native.is_empty() { find(wgpu::Backends::GL) } else { native }
+}
+
 fn wanted_name() -> Option<String> {
     std::env::var("WGPU_ADAPTER_NAME").ok().filter(|name| !name.is_empty()).map(|name| name.to_lowercase())
 }
@@ -292,7 +305,7 @@ fn searched() -> String {
             return format!("WGPU_BACKEND names no backend in {names:?}; vulkan, gl, metal and dx12 are known");
         }
         Ok(names) => format!("looked for adapters of {names:?} (WGPU_BACKEND)"),
-        Err(_) => "looked for adapters of every backend".to_string(),
+        Err(_) => "looked for adapters of Vulkan, Metal and DirectX 12, and of OpenGL if there are none".to_string(),
     };
     match wanted_name() {
         Some(name) => format!("{backends} with {name:?} in their name (WGPU_ADAPTER_NAME)"),

@@ -36,8 +36,8 @@ pub struct BakeReport {
 /// Bakes diffuse transfer for every vertex of a mesh.
 ///
 /// Shadowed transfer is the analytic unshadowed vector less the sum over the occluded directions, so that a vertex that sees the whole
-/// sky is exact. Error at 4,096 rays and order 5 about 2e-3 of the unshadowed vector (`cargo bench -p prt-benches`); the
-/// report estimates it for the mesh at hand. Sums are in `f64`. Same options, same bytes, for any number of threads.
+/// sky is exact. The error at 4,096 rays and order 6 is about 2e-3 of the unshadowed vector; the report estimates it for the mesh
+/// at hand, and `repro -- prt/error-against-rays` of `prt-benches` draws its curve. Sums are in `f64`. Same options, same bytes, for any number of threads.
 ///
 /// Surfaces are one-sided: the back of a face occludes and reflects nothing. Where the smooth normal sees below the true surface, the
 /// surface itself occludes, so there is no light from below but the shadow terminator can show on coarse meshes.

@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "R,G,B", value_parser = arguments::albedo, allow_hyphen_values = true)]
     albedo: Option<[f32; 3]>,
     /// Faces that meet at a larger angle have an edge between them, where the mesh has no normals
-    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = arguments::crease, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", default_value = "75", value_parser = arguments::crease, allow_hyphen_values = true)]
     crease: f32,
     /// Print one JSON object
     #[arg(long)]
