@@ -280,21 +280,8 @@ pub(super) fn occluded(
 ) -> u64 {
     const NO_LIMIT: [Lanes<f32>; BLOCKS] = [[f32::INFINITY; LANES]; BLOCKS];
     let mut alive = alive_from_bits(rays);
-    stack.0.clear();
-    stack.0.push((0, 0));
-    while let Some((number, first)) = stack.0.pop() {
-        let node = &nodes[number as usize];
-        let bounds = RelativeBox::new(node, origin);
-        if bounds.misses_beam(&packet.beam) {
-            continue;
-        }
-        let Some(first) = bounds.first_block(packet, first as usize, &alive, &NO_LIMIT) else { continue };
-        if node.count == 0 {
-            let (near, far) = nearer_child(nodes, node.first, packet.mean);
-            stack.0.push((far, first as u32));
-            stack.0.push((near, first as u32));
-            continue;
-        }
+    stack.start();
+    while let Some((node, first)) = stack.next_leaf(nodes, origin, packet, &alive, &NO_LIMIT) {
         let leaf = node.first as usize..(node.first + node.count) as usize;
         for corners in &triangles[leaf] {
             let Some(wedge) = Wedge::new(corners, origin) else { continue };
@@ -313,6 +300,42 @@ pub(super) fn occluded(
         }
     }
     rays & !bits_from_alive(&alive)
+}
+
+impl Stack {
+    /// Puts the root on the stack.
+    #[inline(always)]
+    fn start(&mut self) {
+        self.0.clear();
+        self.0.push((0, 0));
+    }
+
+    /// The next leaf, near ones first, that a ray which is alive meets nearer than its `limit`, and the first block with such a ray.
+    #[inline(always)]
+    fn next_leaf<'a>(
+        &mut self,
+        nodes: &'a [Node],
+        origin: Vec3,
+        packet: &Packet,
+        alive: &Alive,
+        limit: &[Lanes<f32>; BLOCKS],
+    ) -> Option<(&'a Node, usize)> {
+        while let Some((number, first)) = self.0.pop() {
+            let node = &nodes[number as usize];
+            let bounds = RelativeBox::new(node, origin);
+            if bounds.misses_beam(&packet.beam) {
+                continue;
+            }
+            let Some(first) = bounds.first_block(packet, first as usize, alive, limit) else { continue };
+            if node.count > 0 {
+                return Some((node, first));
+            }
+            let (near, far) = nearer_child(nodes, node.first, packet.mean);
+            self.0.push((far, first as u32));
+            self.0.push((near, first as u32));
+        }
+        None
+    }
 }
 
 /// The two children of a node, first the one that rays along the beam reach first.
@@ -391,21 +414,8 @@ pub(super) fn closest(
 ) {
     *hits = Hits::default();
     let alive = alive_from_bits(rays);
-    stack.0.clear();
-    stack.0.push((0, 0));
-    while let Some((number, first)) = stack.0.pop() {
-        let node = &nodes[number as usize];
-        let bounds = RelativeBox::new(node, origin);
-        if bounds.misses_beam(&packet.beam) {
-            continue;
-        }
-        let Some(first) = bounds.first_block(packet, first as usize, &alive, &hits.distance) else { continue };
-        if node.count == 0 {
-            let (near, far) = nearer_child(nodes, node.first, packet.mean);
-            stack.0.push((far, first as u32));
-            stack.0.push((near, first as u32));
-            continue;
-        }
+    stack.start();
+    while let Some((node, first)) = stack.next_leaf(nodes, origin, packet, &alive, &hits.distance) {
         for slot in node.first..node.first + node.count {
             let Some(wedge) = Wedge::new(&triangles[slot as usize], origin) else { continue };
             for block in first..BLOCKS {
