@@ -19,7 +19,7 @@ pub(crate) fn write_atomically<T>(
     path: &Path,
     body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>,
 ) -> Result<T, Error> {
-    write(path, body).map_err(|source| Error::Io { action: "write", path: path.to_owned(), source })
+    write(path, body).map_err(|cause| Error::Io { action: "write", path: path.to_owned(), cause })
 }
 
 fn write<T>(path: &Path, body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>) -> io::Result<T> {

@@ -8,14 +8,14 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused to read or write.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {cause}", path.display())]
     Io {
         /// What was tried, as a verb phrase: `read`, `write`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// The system's own reason.
-        source: io::Error,
+        /// The system's own reason; part of the message, and so not repeated as its source.
+        cause: io::Error,
     },
     /// A file does not follow its format.
     #[error("{} is not a valid {format} file: {reason}", path.display())]

@@ -67,6 +67,6 @@ pub(crate) fn extension(path: &Path) -> String {
     path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-fn cannot_read(path: &Path, source: io::Error) -> Error {
-    Error::Io { action: "read", path: path.to_owned(), source }
+fn cannot_read(path: &Path, cause: io::Error) -> Error {
+    Error::Io { action: "read", path: path.to_owned(), cause }
 }

@@ -6,6 +6,7 @@ mod write;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::input::read_file;
 use crate::{Error, TransferVectors};
 
 /// The version of the format that is written, and the newest that is read.
@@ -73,7 +74,7 @@ impl Source {
     /// If the file cannot be read.
     pub fn of_file(path: &Path) -> Result<Self, Error> {
         use sha2::Digest;
-        let bytes = read_bytes(path)?;
+        let bytes = read_file(path)?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let sha256 = sha2::Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { name, sha256 })
@@ -114,7 +115,7 @@ impl BakedSurface {
     /// # Errors
     /// If the file cannot be read, is not a baked file, is of a newer format or another kind, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        read::surface(&read_bytes(path)?).map_err(|reason| malformed(path, reason))
+        read::surface(&read_file(path)?).map_err(|reason| malformed(path, reason))
     }
 
     /// Writes a baked file; returns its size in bytes. The file appears under its name only when it is complete.
@@ -149,11 +150,7 @@ impl BakedSurface {
 /// # Errors
 /// If the file cannot be read or is not a safetensors file with metadata.
 pub fn file_info(path: &Path) -> Result<FileInfo, Error> {
-    read::info(&read_bytes(path)?).map_err(|reason| malformed(path, reason))
-}
-
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    std::fs::read(path).map_err(|source| Error::Io { action: "read", path: path.to_owned(), source })
+    read::info(&read_file(path)?).map_err(|reason| malformed(path, reason))
 }
 
 fn malformed(path: &Path, reason: String) -> Error {

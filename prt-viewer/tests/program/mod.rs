@@ -88,6 +88,8 @@ impl Place {
         if status == 1 {
             assert_eq!(run.stderr.lines().count(), 1, "one line: {}", run.stderr);
             assert!(run.stderr.starts_with("prt: error: "), "{}", run.stderr);
+            let parts: Vec<&str> = run.stderr.trim_end().split(": ").collect();
+            assert!(parts.windows(2).all(|pair| pair[0] != pair[1]), "nothing is said twice: {}", run.stderr);
         }
         assert_eq!(self.files(), before, "{arguments:?} leaves no file");
     }
