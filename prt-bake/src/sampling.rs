@@ -125,9 +125,9 @@ mod tests {
         for i in 0..order.coeff_count() {
             let sum: f64 = set.basis.iter().skip(i).step_by(order.coeff_count()).map(|&y| f64::from(y)).sum();
             let expected = if i == 0 { (4.0 * std::f64::consts::PI).sqrt() } else { 0.0 };
-            // The error of spherical Fibonacci for smooth functions falls about as 1/D; at 8,000 it is near 1e-4.
+            // Measured 2.2e-5: the error of spherical Fibonacci for smooth functions.
             let integral = sum * 4.0 * std::f64::consts::PI / set.directions.len() as f64;
-            assert!((integral - expected).abs() < 5e-4, "{i}: {integral}");
+            assert!((integral - expected).abs() < 1e-4, "{i}: {integral}");
         }
         assert_eq!(set.directions, DirectionSet::new(8000, order, 7).directions);
         assert_ne!(set.directions, DirectionSet::new(8000, order, 8).directions);
@@ -139,7 +139,7 @@ mod tests {
         let widest = |packet: &[Vec3]| packet.iter().map(|s| s.angle_between(packet[0])).fold(0.0, f32::max);
         let mut angles: Vec<f32> = set.directions.chunks_exact(PACKET_SIZE).map(widest).collect();
         angles.sort_by(f32::total_cmp);
-        // A compact patch of 64/8192 of the sphere is 0.2 rad across its diagonal from corner to corner of about 0.45.
+        // A square of 64/8192 of the sphere is 0.31 rad wide and 0.44 from corner to corner; measured 0.47. In random order it is 3.
         assert!(angles[angles.len() / 2] < 0.5, "median {}", angles[angles.len() / 2]);
     }
 }

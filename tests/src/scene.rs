@@ -134,16 +134,14 @@ fn split_faces(directions: &mut Vec<DVec3>, triangles: &[[u32; 3]]) -> Vec<[u32;
     triangles.iter().flat_map(split).collect()
 }
 
-/// The normal of a face, for tests of this file.
-#[cfg(test)]
-fn face_normal(vertices: &[[DVec3; 2]], triangle: [u32; 3]) -> glam::Vec3 {
-    let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize][0]);
-    (b - a).cross(c - a).normalize().as_vec3()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn face_normal(vertices: &[[DVec3; 2]], triangle: [u32; 3]) -> glam::Vec3 {
+        let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize][0]);
+        (b - a).cross(c - a).normalize().as_vec3()
+    }
 
     #[test]
     fn patches_have_their_area_and_face_the_right_way() {

@@ -22,7 +22,7 @@ fn under_constant_light(transfer: &TransferVectors, vertex: usize) -> f64 {
     f64::from(transfer.vector(vertex, 0)[0]) * (4.0 * std::f64::consts::PI).sqrt()
 }
 
-/// Length of the difference over the length of the unshadowed vector, which is 0.3455 at any order from 3 on.
+/// Length of the difference over the length of the unshadowed vector.
 fn relative_error(found: &[f32], expected: &[f64]) -> f64 {
     let difference: f64 = found.iter().zip(expected).map(|(a, b)| (f64::from(*a) - b).powi(2)).sum();
     let mut cosine = vec![0.0; found.len().isqrt()];
@@ -37,7 +37,7 @@ fn expand(order: Order, zonal: &[f64], axis: DVec3) -> Vec<f64> {
     coeffs
 }
 
-/// `1/π ∫ V(s) max(n·s, 0) y(s) ds` by Gauss-Legendre quadrature of a visibility that is smooth in each octant.
+/// `1/π ∫ V(s) max(n·s, 0) y(s) ds` by the midpoint rule on a grid of equal areas that is aligned with the octants.
 fn quadrature_transfer(order: Order, normal: DVec3, is_visible: impl Fn(DVec3) -> bool) -> Vec<f64> {
     let mut sum = vec![0.0; order.coeff_count()];
     let mut basis = vec![0.0; order.coeff_count()];
@@ -91,8 +91,8 @@ fn at_the_foot_of_a_wall_half_the_sky_is_left() {
     assert_eq!(at_foot.len(), 5, "vertices in the very plane of the wall");
     for vertex in 0..25 {
         let error = relative_error(baked.transfer.vector(vertex, 0), &expected);
-        // 16,384 directions err by 8e-4 on smooth visibility; a straight edge across the whole hemisphere is the worst case.
-        assert!(error < 3e-3, "vertex {vertex}: {error}");
+        // Measured 9.5e-4: a straight edge across the whole hemisphere, and the 1/2,000 that looks past the wall.
+        assert!(error < 2e-3, "vertex {vertex}: {error}");
     }
 }
 
@@ -108,11 +108,12 @@ fn a_disk_hides_its_view_factor() {
         let center = (0..9).find(|&v| (f64::from(baked.positions[v][0]) - case.offset).abs() < 1e-6).unwrap() + 1;
         assert_eq!(baked.positions[center], [case.offset as f32, 0.0, 0.0]);
         let blocked = 1.0 - under_constant_light(&baked.transfer, center);
+        // Measured 4.7e-4, and below 1.3e-3 for the whole vector: the rays that fall on the rim.
         assert!((blocked - case.blocked).abs() < 1e-3, "{case:?}: {blocked}");
         if let Some(zonal) = case.transfer_zonal {
             let expected = expand(order(6), &zonal, DVec3::Z);
             let error = relative_error(baked.transfer.vector(center, 0), &expected);
-            assert!(error < 3e-3, "{error}");
+            assert!(error < 2e-3, "{error}");
         }
     }
 }
@@ -133,7 +134,7 @@ fn facing_disks_light_each_other() {
             let mut before = 0.0;
             for (pass, expected) in passes.iter().zip(expected) {
                 let total = under_constant_light(&pass.transfer, vertex);
-                // Rays to the rim: 1e-3. Radiance is linear across faces of 1/16 of the radius, and steep at the rim.
+                // Measured 1.3e-3: rays that fall on the rim, and radiance that is linear across faces of 1/16 of the radius, and steep at the rim.
                 assert!((total - before - expected).abs() < 2e-3, "{case:?}: {} for {expected}", total - before);
                 before = total;
             }

@@ -56,7 +56,7 @@ fn another_seed_gives_another_estimate_of_the_same() {
     let zero = vec![0.0; unshadowed.values.len()];
     let measured =
         (0.5 * difference(&a.transfer.values, &b.transfer.values) / difference(&unshadowed.values, &zero)).sqrt();
-    // The report's estimate comes from 64 of the 98 vertices and a third seed, so the two agree but for chance.
+    // The report's estimate comes from 49 of the 98 vertices and a third seed, so the two agree but for chance.
     let estimated = report.error.unwrap();
     assert!(measured > 0.5 * estimated && measured < 2.0 * estimated, "{measured} {estimated}");
 }

@@ -65,10 +65,10 @@ fn why_empty(given: usize, report: &MeshReport) -> String {
     }
 }
 
-/// A position so large that its square overflows is as useless as an infinite one.
+/// A position that `f32` cannot hold would be infinite in the baked file.
 fn is_finite(positions: &[[f64; 3]], triangle: [u32; 3]) -> bool {
-    const LARGEST: f64 = 1e100;
-    triangle.iter().flat_map(|&vertex| positions[vertex as usize]).all(|coordinate| coordinate.abs() < LARGEST)
+    let largest = f64::from(f32::MAX);
+    triangle.iter().flat_map(|&vertex| positions[vertex as usize]).all(|coordinate| coordinate.abs() <= largest)
 }
 
 /// Edges are measured in units of the longest one, so that nothing over- or underflows at any scale.

@@ -6,7 +6,7 @@ mod weld;
 
 use crate::Error;
 
-pub(crate) use weld::weld_positions;
+use weld::weld_positions;
 
 /// A mesh as a file gives it, before it is checked: the input of [`Mesh::new`].
 ///
@@ -77,7 +77,7 @@ pub struct MeshReport {
     pub degenerate: usize,
     /// Faces with the same corners, in the same sense of rotation, as an earlier one.
     pub duplicate: usize,
-    /// Faces with a corner at an infinite or undefined position.
+    /// Faces with a corner at an undefined position, or at one too large for `f32`.
     pub non_finite: usize,
     /// Vertices that no remaining face uses.
     pub vertices_unused: usize,

@@ -59,6 +59,18 @@ fn bad_faces_are_dropped_and_counted() {
 }
 
 #[test]
+fn positions_that_the_baked_file_cannot_hold_are_not_finite() {
+    for (largest, dropped) in [(3e38, 0), (1e39, 1), (f64::INFINITY, 1), (f64::NAN, 1)] {
+        let mut source = cube();
+        source.positions.push([largest, 0.0, 0.0]);
+        source.triangles.push([2, 4, 8]);
+        let (mesh, report) = Mesh::new(source, &MeshOptions::default()).unwrap();
+        assert_eq!(report.non_finite, dropped, "{largest}");
+        assert!(mesh.positions().iter().flatten().all(|&coordinate| (coordinate as f32).is_finite()));
+    }
+}
+
+#[test]
 fn two_sheets_back_to_back_are_no_duplicates() {
     let mut source = cube();
     source.triangles = vec![[0, 1, 2], [2, 1, 0]];

@@ -54,7 +54,7 @@ pub struct Hit {
 }
 
 impl Scene {
-    /// Builds the tree. Costs about 0.1 s for 100,000 triangles.
+    /// Builds the tree. Costs about 0.03 s for 70,000 triangles.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
         let (center, scale) = unit_cube(mesh);
