@@ -133,6 +133,7 @@ mod project;
 mod real;
 #[cfg(feature = "alloc")]
 mod rotation;
+mod simd;
 #[cfg(feature = "alloc")]
 mod sphere;
 mod vector;
