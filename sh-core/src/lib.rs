@@ -141,7 +141,7 @@ mod window;
 mod zonal;
 
 #[cfg(feature = "alloc")]
-pub use basis::Basis;
+pub use basis::{BLOCK, Basis};
 pub use basis::{eval, reconstruct};
 pub use error::Error;
 pub use maps::{CubeMap, LatLong};
