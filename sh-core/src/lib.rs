@@ -141,8 +141,8 @@ mod window;
 mod zonal;
 
 #[cfg(feature = "alloc")]
-pub use basis::{BLOCK, Basis};
-pub use basis::{eval, reconstruct};
+pub use basis::{BLOCK, Basis, BasisGradient};
+pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use error::Error;
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};

@@ -194,9 +194,9 @@ impl<T: Real> Blocks<'_, T> {
 }
 
 /// Part of the lanes of a block `[n²]`: one of as many as registers make up a row.
-struct BlockLanes<'a, T> {
-    out: &'a mut [[T; BLOCK]],
-    part: usize,
+pub(super) struct BlockLanes<'a, T> {
+    pub(super) out: &'a mut [[T; BLOCK]],
+    pub(super) part: usize,
 }
 
 impl<T: Real, V: Lanes<T>> Sink<V> for BlockLanes<'_, T> {

@@ -18,6 +18,7 @@ macro_rules! small_order {
 
 #[cfg(feature = "alloc")]
 mod batch;
+mod gradient;
 mod recurrence;
 mod unrolled;
 
@@ -25,6 +26,9 @@ use crate::order::assert_length;
 use crate::{Order, Real, dot};
 #[cfg(feature = "alloc")]
 pub use batch::BLOCK;
+#[cfg(feature = "alloc")]
+pub use gradient::BasisGradient;
+pub use gradient::{eval_gradient, eval_hessian};
 use recurrence::Computed;
 #[cfg(feature = "alloc")]
 use recurrence::Tabled;
