@@ -165,22 +165,56 @@ fn for_each_gradient<T: Real, V: Lanes<T>>(
     radial: impl Fn(usize) -> [V; 3],
 ) {
     let count = order.coeff_count();
-    let (values, [x, y, z]) = (&values[..count], components(gradients, count));
-    [x[0], y[0], z[0]] = [V::splat(T::ZERO); 3];
+    let (values, mut gradients) = (&values[..count], components(gradients, count));
+    gradients.iter_mut().for_each(|component| component[0] = V::splat(T::ZERO));
     for l in 1..order.get() {
-        let (below, centre, [rx, ry, rz]) = (&values[(l - 1) * (l - 1)..l * l], l * (l + 1), radial(l));
-        for m in 0..=l {
-            let [plus, minus] = raise(below, l, m, factors.get(l, m));
-            let add = |i: usize, [gx, gy, gz]: [V; 3]| {
-                let value = values[i];
-                [rx.mul_add(value, gx), ry.mul_add(value, gy), rz.mul_add(value, gz)]
-            };
-            [x[centre + m], y[centre + m], z[centre + m]] = add(centre + m, plus);
-            if m > 0 {
-                [x[centre - m], y[centre - m], z[centre - m]] = add(centre - m, minus);
-            }
+        band_gradient(l, values, factors, &mut gradients, radial(l));
+    }
+}
+
+/// Band `l` of it.
+#[inline(always)]
+fn band_gradient<T: Real, V: Lanes<T>>(
+    l: usize,
+    values: &[V],
+    factors: impl Factors<T>,
+    [x, y, z]: &mut [&mut [V]; 3],
+    [rx, ry, rz]: [V; 3],
+) {
+    let (below, centre) = (&values[(l - 1) * (l - 1)..l * l], l * (l + 1));
+    for m in 0..=l {
+        let [plus, minus] = raise(below, l, m, factors.get(l, m));
+        let add = |i: usize, [gx, gy, gz]: [V; 3]| {
+            let value = values[i];
+            [rx.mul_add(value, gx), ry.mul_add(value, gy), rz.mul_add(value, gz)]
+        };
+        [x[centre + m], y[centre + m], z[centre + m]] = add(centre + m, plus);
+        if m > 0 {
+            [x[centre - m], y[centre - m], z[centre - m]] = add(centre - m, minus);
         }
     }
+}
+
+/// [`tangent_gradient`] of order `N`, with constants for everything that depends on the band.
+#[cfg(feature = "alloc")]
+#[inline(always)]
+fn small_tangent_gradient<T: Real, V: Lanes<T>, const N: usize>(
+    direction: [V; 3],
+    values: &[V],
+    factors: impl Factors<T>,
+    gradients: &mut [V],
+) {
+    let (values, mut gradients) = (&values[..N * N], components(gradients, N * N));
+    gradients.iter_mut().for_each(|component| component[0] = V::splat(T::ZERO));
+    macro_rules! bands {
+        ($($l:literal)+) => {
+            $(if N > $l {
+                let factor = V::splat(T::from_f64(-$l as f64));
+                band_gradient($l, values, factors, &mut gradients, direction.map(|s| factor * s));
+            })+
+        };
+    }
+    bands!(1 2 3 4 5 6 7 8 9);
 }
 
 /// Slices of the three components.

@@ -7,7 +7,7 @@ use core::ops::Range;
 use super::super::batch::{BLOCK, BlockLanes, Groups, store_rows};
 use super::super::recurrence::{self, Tabled};
 use super::super::{Basis, Sink, Tables, Values, unrolled};
-use super::{Computed, Factors, hessian_from_values, tangent_gradient};
+use super::{Computed, Factors, hessian_from_values, small_tangent_gradient, tangent_gradient};
 use crate::order::assert_length;
 use crate::simd::{Kernel, Lanes, dispatch};
 use crate::{Order, Real};
@@ -237,17 +237,11 @@ impl<T: Real, O> Many<'_, T, O> {
         O: Output<T, V>,
     {
         const MAX_COUNT: usize = unrolled::MAX_ORDER * unrolled::MAX_ORDER;
-        let order = const {
-            match Order::new(N) {
-                Ok(order) => order,
-                Err(_) => panic!("small orders are valid"),
-            }
-        };
         let (mut y, mut gradient) = ([V::splat(T::ZERO); MAX_COUNT], [V::splat(T::ZERO); 3 * MAX_COUNT]);
         let (y, gradient) = (&mut y[..N * N], &mut gradient[..3 * N * N]);
         for (group, direction) in Groups::<T, V>::new(self.directions) {
             unrolled::kernel::<T, V, N>(direction, &mut Values(&mut *y));
-            tangent_gradient(order, direction, y, self.factors, gradient);
+            small_tangent_gradient::<T, V, N>(direction, y, self.factors, gradient);
             self.out.put(group, y, gradient);
         }
     }
