@@ -126,6 +126,7 @@ compile_error!("sh-core needs floating-point functions: enable its feature `std`
 
 mod basis;
 mod error;
+mod expansion;
 mod maps;
 mod order;
 #[cfg(feature = "alloc")]
@@ -144,6 +145,7 @@ mod zonal;
 pub use basis::{BLOCK, Basis, BasisGradient};
 pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use error::Error;
+pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
