@@ -149,7 +149,7 @@ pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
-pub use project::{project_cube, project_function, project_lat_long, reconstruct_lat_long};
+pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::ShRotation;

@@ -93,6 +93,23 @@ impl<T: Real> Basis<T> {
         }
     }
 
+    /// Whether the basis can be evaluated in lanes of `T`: not at orders that are beyond its range.
+    pub(crate) fn is_native(&self) -> bool {
+        !matches!(self.tables, Tables::Wide(_))
+    }
+
+    /// Hands every `y_i` at some directions to `sink`. The basis [is native](Self::is_native).
+    #[inline(always)]
+    pub(crate) fn eval_lanes<V: Lanes<T>>(&self, direction: [V; 3], sink: &mut impl Sink<V>) {
+        match &self.tables {
+            Tables::Unrolled => {
+                small_order!(self.order, N => unrolled::kernel::<T, V, N>(direction, sink), else unreachable!())
+            }
+            Tables::Native(tables) => recurrence::eval_lanes(self.order, direction, tables, sink),
+            Tables::Wide(_) => unreachable!("checked by the caller"),
+        }
+    }
+
     /// Orders beyond the range of `T`, one direction at a time.
     fn eval_wide_blocks(&self, directions: &[[T; 3]], out: &mut [T]) {
         let count = self.order().coeff_count();
@@ -210,7 +227,7 @@ impl<T: Real, V: Lanes<T>> Sink<V> for BlockLanes<'_, T> {
 
 /// The directions in groups that fill a register: their range, and their components. The last group may be short; its other
 /// lanes then hold the zero vector.
-pub(super) struct Groups<'a, T, V> {
+pub(crate) struct Groups<'a, T, V> {
     directions: &'a [[T; 3]],
     start: usize,
     lanes: PhantomData<V>,
@@ -218,7 +235,7 @@ pub(super) struct Groups<'a, T, V> {
 
 impl<'a, T: Real, V: Lanes<T>> Groups<'a, T, V> {
     #[inline(always)]
-    pub(super) fn new(directions: &'a [[T; 3]]) -> Self {
+    pub(crate) fn new(directions: &'a [[T; 3]]) -> Self {
         Self { directions, start: 0, lanes: PhantomData }
     }
 }
