@@ -134,6 +134,7 @@ mod project;
 mod real;
 #[cfg(feature = "alloc")]
 mod rotation;
+#[cfg_attr(not(feature = "alloc"), allow(dead_code, reason = "a scalar is one lane; wider ones are for batches"))]
 mod simd;
 #[cfg(feature = "alloc")]
 mod sphere;
