@@ -109,6 +109,22 @@
 //!   <https://doi.org/10.1145/383259.383317>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
+//! - **\[DLMF\]** *NIST Digital Library of Mathematical Functions.* <https://dlmf.nist.gov>.
+//! - **\[RH02\]** R. Ramamoorthi, P. Hanrahan. *Frequency Space Environment Map Rendering.* ACM Transactions on Graphics
+//!   21(3) (SIGGRAPH), 2002. <https://doi.org/10.1145/566654.566611>.
+//! - **\[Bue04\]** T. Bülow. *Spherical Diffusion for 3D Surface Smoothing.* IEEE Transactions on Pattern Analysis and
+//!   Machine Intelligence 26(12), 2004. <https://doi.org/10.1109/TPAMI.2004.129>.
+//! - **\[HSRG07\]** C. Han, B. Sun, R. Ramamoorthi, E. Grinspun. *Frequency Domain Normal Map Filtering.* ACM Transactions on
+//!   Graphics 26(3) (SIGGRAPH), 2007. <https://doi.org/10.1145/1276377.1276412>.
+//! - **\[WRGSG09\]** J. Wang, P. Ren, M. Gong, J. Snyder, B. Guo. *All-Frequency Rendering of Dynamic, Spatially-Varying
+//!   Reflectance.* ACM Transactions on Graphics 28(5) (SIGGRAPH Asia), 2009. <https://doi.org/10.1145/1618452.1618479>.
+//! - **\[WMLT07\]** B. Walter, S. Marschner, H. Li, K. Torrance. *Microfacet Models for Refraction through Rough Surfaces.*
+//!   Eurographics Symposium on Rendering, 2007. <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
+//! - **\[MS42\]** P. Moon, D. Spencer. *Illumination from a Non-Uniform Sky.* Transactions of the Illuminating Engineering
+//!   Society 37, 1942.
+//! - **\[CIE03\]** *Spatial Distribution of Daylight: CIE Standard General Sky.* CIE S 011/E:2003, ISO 15469:2004.
+//! - **\[WR18\]** J. Wang, R. Ramamoorthi. *Analytic Spherical Harmonic Coefficients for Polygonal Area Lights.* ACM
+//!   Transactions on Graphics 37(4) (SIGGRAPH), 2018. <https://doi.org/10.1145/3197517.3201291>.
 
 #![no_std]
 #![cfg_attr(
@@ -125,6 +141,7 @@ extern crate std;
 compile_error!("sh-core needs floating-point functions: enable its feature `std` (the default) or `libm`");
 
 mod basis;
+mod direction;
 mod error;
 mod expansion;
 mod maps;
@@ -158,7 +175,13 @@ pub use rotation::ShRotation;
 pub use sphere::{Quadrature, fibonacci};
 pub use vector::{dot, scale_bands};
 pub use window::hanning;
-pub use zonal::{clamped_cosine, convolve, expand_lobe, expand_zonal, lobe_from_zonal, zonal_from_lobe};
+#[cfg(feature = "alloc")]
+pub use zonal::project_zonal;
+pub use zonal::{
+    cap_kernel, clamped_cosine, clamped_cosine_power, convolve, expand_lobe, expand_zonal, fit_lobe_about_axis,
+    gaussian_kernel, ggx_kernel, linear_axis, lobe_from_zonal, lobe_value, phong_kernel, spherical_cap,
+    spherical_gaussian, von_mises_fisher_kernel, zonal_from_lobe, zonal_value,
+};
 
 #[cfg(all(doctest, feature = "std"))]
 #[doc = include_str!("../README.md")]
