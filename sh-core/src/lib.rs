@@ -144,6 +144,8 @@ mod basis;
 mod direction;
 mod error;
 mod expansion;
+mod extract;
+mod light;
 mod maps;
 mod order;
 #[cfg(feature = "alloc")]
@@ -164,6 +166,17 @@ pub use basis::{BLOCK, Basis, BasisGradient};
 pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
+#[cfg(feature = "alloc")]
+pub use extract::irradiance;
+pub use extract::{
+    DominantLight, band_energy, dominant_direction, dominant_light, irradiance_from_radiance, irradiance_matrices,
+};
+#[cfg(feature = "alloc")]
+pub use light::{CieSky, cie_sky, clear_sky, polygon_light};
+pub use light::{
+    ambient_light, cone_light, directional_light, directional_light_normalised, disk_light, hemisphere_light,
+    overcast_sky, sphere_light,
+};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]

@@ -137,7 +137,7 @@ pub fn cap_kernel<T: Real>(angular_radius: T, zonal: &mut [T]) {
 }
 
 /// `1 − cos α = 2 sin²(α/2)`, without cancellation.
-pub(crate) fn half_angle_versine(angle: f64) -> f64 {
+fn half_angle_versine(angle: f64) -> f64 {
     let half_sine = Real::sin(0.5 * angle);
     2.0 * half_sine * half_sine
 }

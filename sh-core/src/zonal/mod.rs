@@ -12,7 +12,6 @@ use core::f64::consts::PI;
 
 pub use axis::{fit_lobe_about_axis, linear_axis};
 pub use ggx::ggx_kernel;
-pub(crate) use kernel::half_angle_versine;
 pub use kernel::{cap_kernel, clamped_cosine, clamped_cosine_power, gaussian_kernel, phong_kernel, spherical_cap};
 #[cfg(feature = "alloc")]
 pub use value::project_zonal;
