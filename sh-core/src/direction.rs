@@ -28,6 +28,7 @@ pub(crate) fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The cross product of two vectors.
+#[cfg(feature = "alloc")]
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -33,7 +33,7 @@ fn across(axis: [f64; 3]) -> [[f64; 3]; 2] {
     let [x, y, z] = axis;
     // Duff et al. 2017
     let sign = 1.0_f64.copysign(z);
-    let (a, b) = (-1.0 / (sign + z), x * y * -1.0 / (sign + z));
+    let (a, b) = (-1.0 / (sign + z), -x * y / (sign + z));
     [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
 }
 
@@ -214,7 +214,8 @@ fn odd_parameters_have_an_answer() {
 #[test]
 fn every_light_works_at_orders_1_and_512() {
     let axis = [0.36_f32, -0.48, 0.8];
-    let lights: [&dyn Fn(Order, &mut [f32]); 8] = [
+    type Light<'a> = &'a dyn Fn(Order, &mut [f32]);
+    let lights: [Light; 8] = [
         &|order, out| directional_light(order, axis, out),
         &|order, out| directional_light_normalised(order, axis, out),
         &|order, out| disk_light(order, axis, 0.01, out),
@@ -232,8 +233,8 @@ fn every_light_works_at_orders_1_and_512() {
 
 /// The sky about the zenith, in pieces that shrink towards the sun, the horizon and the zenith.
 fn sky_by_pieces(n: usize, sky: CieSky, up: [f64; 3], sun_zenith_angle: f64, sun_longitude: f64) -> Vec<f64> {
-    let mut zones = Zones::new(n, up, 10);
-    let shrink = |from: f64, to: f64| (0..=34).map(move |k| from + (to - from) * 0.5_f64.powi(k));
+    let mut zones = Zones::new(n, up, n + 6);
+    let shrink = |from: f64, to: f64| (0..=16).map(move |k| from + (to - from) * 0.5_f64.powi(k));
     let sun_cosine = sun_zenith_angle.cos();
     let towards = [(0.0, 1.0), (1.0, 0.0), (sun_cosine, 0.0), (sun_cosine, 1.0)];
     let mut cuts: Vec<f64> = towards.into_iter().flat_map(|(from, to)| shrink(from, to)).collect();
@@ -282,7 +283,7 @@ fn skies_are_their_integrals() {
         let error = difference(&found, &expected) / expected[0];
         println!("n = {n}, type {sky_type}, sun at {sun_zenith_angle}: {error:e}");
         let clear_day = sky == CieSky::CLEAR && sun_zenith_angle < FRAC_PI_2;
-        assert!(error < if clear_day { 1e-8 } else { 1e-7 });
+        assert!(error < if clear_day { 1e-8 } else { 2e-7 });
     }
 }
 
