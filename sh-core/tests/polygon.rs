@@ -132,6 +132,8 @@ fn small_polygons_lose_digits_as_their_vertices_do() {
         println!("size {size:e}: relative error {relative:e}");
         assert!(relative < 4e-15 / size);
         assert!((found[0] / expected[0] - 1.0).abs() < 4e-15 / size);
+        let reversed: Vec<_> = vertices.into_iter().rev().collect();
+        assert!(difference(&light(6, &reversed), &expected) / expected[0] < 4e-15 / size);
     }
 }
 

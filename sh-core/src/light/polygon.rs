@@ -119,12 +119,18 @@ const OPPOSITE_SINE: f64 = 1e-15;
 /// [OS83](crate#references).
 fn signed_solid_angle(corners: &[[f64; 3]]) -> f64 {
     let pairs = || corners.iter().zip(corners.iter().cycle().skip(1));
-    // Twice the vector area. It points into the polygon, or into the hemisphere that it fills.
-    let mut amid = [0.0; 3];
+    // Twice the vector area, and the sum of the corners to choose the side on which they are: the opposite one is amid the
+    // rest of the sphere, where a small area is the difference of large ones.
+    let (mut amid, mut sum) = ([0.0; 3], [0.0; 3]);
     for (&b, &c) in pairs() {
-        amid.iter_mut().zip(cross(b, c)).for_each(|(sum, x)| *sum += x);
+        let normal = cross(b, c);
+        for k in 0..3 {
+            amid[k] += normal[k];
+            sum[k] += b[k];
+        }
     }
-    let Some(a) = unit(amid) else { return 0.0 };
+    let side = if dot3(amid, sum) < 0.0 { -1.0 } else { 1.0 };
+    let Some(a) = unit(amid.map(|x| side * x)) else { return 0.0 };
     let triangle = |(&b, &c): (&[f64; 3], &[f64; 3])| {
         let from_a = |v: [f64; 3]| core::array::from_fn(|k| v[k] - a[k]);
         let volume = dot3(a, cross(from_a(b), from_a(c)));
