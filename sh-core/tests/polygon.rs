@@ -187,6 +187,9 @@ fn degenerate_polygons_have_an_answer() {
     // Corners that differ by a rounding, in length or direction.
     let near = [a, [1.0, 1e-16, 0.0], [1.0 - 1e-16, 1e-300, 0.0], b, c];
     assert!(difference(&light(6, &near), &expected) < 2e-15);
+    let tilted = [[0.36, -0.48, 0.8], [-0.6, 0.64, 0.48], [0.0, -0.28, -0.96]];
+    let rounded: Vec<_> = tilted.iter().flat_map(|v| (1..60).map(move |k| v.map(|x| x * f64::from(k)))).collect();
+    assert!(difference(&light(6, &rounded), &light(6, &tilted)) < 1e-14);
     let dark = [
         vec![],
         vec![a],
@@ -209,16 +212,20 @@ fn degenerate_polygons_have_an_answer() {
 
 #[test]
 fn a_point_on_the_polygon_sees_a_half_space() {
-    for (sense, turn) in [(1.0, 0.0), (-1.0, 0.0), (1.0, 0.3), (-1.0, 2.7)] {
-        for count in [3, 4, 5, 12] {
+    for (k, turn) in [0.0, 0.3, 1.0, 2.7, 4.0, 6.0].into_iter().enumerate() {
+        // Along z, and about tilted axes, where rounding decides on which side of the plane the corners are.
+        let tilt = 0.9 * k as f64;
+        let (axis, e1) = ([0.0, tilt.sin(), tilt.cos()], [0.0, tilt.cos(), -tilt.sin()]);
+        for (sense, count) in [3, 4, 5, 7, 12].into_iter().flat_map(|count| [(1.0, count), (-1.0, count)]) {
             let corner = |k: usize| {
                 let (s, c) = f64::sin_cos(turn + sense * 2.0 * PI * k as f64 / count as f64);
-                [c, s, 0.0]
+                // a right-handed frame: x × e1 = axis
+                std::array::from_fn(|i| [c, 0.0, 0.0][i] + s * e1[i])
             };
             let found = light(6, &(0..count).map(corner).collect::<Vec<_>>());
             let mut expected = [0.0; 36];
-            hemisphere_light(order(6), [0.0, 0.0, sense], 1.0, 0.0, &mut expected);
-            assert!(difference(&found, &expected) < 2e-15, "{sense} {turn} {count}: {found:?}");
+            hemisphere_light(order(6), axis.map(|x| sense * x), 1.0, 0.0, &mut expected);
+            assert!(difference(&found, &expected) < 4e-15, "{sense} {turn} {count}: {found:?}");
         }
     }
     // A hair above it, nearly so, and continuous with it.

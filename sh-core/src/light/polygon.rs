@@ -106,7 +106,7 @@ fn edge(start: [f64; 3], end: [f64; 3]) -> Option<Edge> {
     if sine < OPPOSITE_SINE && cosine < 0.0 {
         return None;
     }
-    // Ends that differ by a rounding may have no tangent; the angle is 0 then.
+    // Neighbours differ, so there is a tangent; had rounding eaten it, the edge would have no length either.
     let tangent = unit(cross(normal, start)).unwrap_or_default();
     Some(Edge { start, tangent, angle: Real::atan2(sine, cosine) })
 }
