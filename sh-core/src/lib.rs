@@ -71,7 +71,7 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], projection, and reconstruction of maps |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], projection, reconstruction of maps, [`polygon_light`], skies |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
 //!
 //! One of `std` and `libm` is needed.
@@ -111,11 +111,11 @@
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
 //! - **\[DLMF\]** *NIST Digital Library of Mathematical Functions.* <https://dlmf.nist.gov>.
 //! - **\[RH02\]** R. Ramamoorthi, P. Hanrahan. *Frequency Space Environment Map Rendering.* ACM Transactions on Graphics
-//!   21(3) (SIGGRAPH), 2002. <https://doi.org/10.1145/566654.566611>.
+//!   21(3) (SIGGRAPH), 2002.
 //! - **\[Bue04\]** T. Bülow. *Spherical Diffusion for 3D Surface Smoothing.* IEEE Transactions on Pattern Analysis and
-//!   Machine Intelligence 26(12), 2004. <https://doi.org/10.1109/TPAMI.2004.129>.
+//!   Machine Intelligence 26(12), 2004.
 //! - **\[HSRG07\]** C. Han, B. Sun, R. Ramamoorthi, E. Grinspun. *Frequency Domain Normal Map Filtering.* ACM Transactions on
-//!   Graphics 26(3) (SIGGRAPH), 2007. <https://doi.org/10.1145/1276377.1276412>.
+//!   Graphics 26(3) (SIGGRAPH), 2007. <http://www.cs.columbia.edu/cg/normalmap/>.
 //! - **\[WRGSG09\]** J. Wang, P. Ren, M. Gong, J. Snyder, B. Guo. *All-Frequency Rendering of Dynamic, Spatially-Varying
 //!   Reflectance.* ACM Transactions on Graphics 28(5) (SIGGRAPH Asia), 2009. <https://doi.org/10.1145/1618452.1618479>.
 //! - **\[WMLT07\]** B. Walter, S. Marschner, H. Li, K. Torrance. *Microfacet Models for Refraction through Rough Surfaces.*
