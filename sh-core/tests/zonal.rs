@@ -265,6 +265,16 @@ fn the_half_space_and_the_clamped_cosine_are_the_first_powers() {
     }
 }
 
+#[test]
+fn a_known_share_of_the_ggx_lobe_is_beyond_the_horizon() {
+    // Its product with the half space z > 0, integrated: 1/(1 + α²). The bands fall as exp(−2 l artanh α).
+    let half_space = kernel::<f64>("clamped_cosine_power", 0.0, 400);
+    for alpha in [0.06, 0.1, 0.5, 0.9] {
+        let above = dot(&kernel::<f64>("ggx", alpha, 400), &half_space);
+        assert!((above - 1.0 / (1.0 + alpha * alpha)).abs() < 1e-14, "{alpha}: {above}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 

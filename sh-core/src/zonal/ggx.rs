@@ -19,8 +19,9 @@ use crate::Real;
 ///   1 and above the constant
 /// - `zonal`: `[n]`, overwritten
 ///
-/// This is the kernel by which environment maps are filtered for a rough reflection: no Fresnel term, no masking, nothing cut
-/// off at the horizon, and at grazing view the true lobe is stretched and no longer zonal.
+/// It is not a fit: as a lobe it is exact. As a model of reflection it is the kernel by which environment maps are filtered:
+/// no Fresnel term, no masking, nothing cut off at the horizon, beyond which is the share `α²/(1 + α²)` of it (1 % for
+/// `α = 0.1`, 20 % for 0.5), and at grazing view the true lobe is stretched and no longer zonal.
 ///
 /// Accuracy: 5e-15 absolute in units of `√((2l+1)/(4π))`, in `f64`, for n = 512 and any `α`, against 30 digits; asserted by
 /// `kernels_agree_with_the_long_reference` in `tests/zonal.rs`. Does not allocate.
