@@ -133,6 +133,7 @@ mod project;
 mod real;
 #[cfg(feature = "alloc")]
 mod rotation;
+mod scaling;
 mod simd;
 #[cfg(feature = "alloc")]
 mod sphere;
@@ -151,6 +152,9 @@ pub use project::{project_cube, project_function, project_lat_long, reconstruct_
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::ShRotation;
+#[cfg(feature = "alloc")]
+pub use scaling::{Interpolation, ScalingMatrix, ScalingTable, geometric_nodes};
+pub use scaling::{Preserve, Tau};
 #[cfg(feature = "alloc")]
 pub use sphere::{Quadrature, fibonacci};
 pub use vector::{dot, scale_bands};
