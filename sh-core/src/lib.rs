@@ -105,6 +105,8 @@
 //!   tables of `u, v, w` and `U, V, W`, and are themselves reported to be misprinted in `V` for m < 0. The form used here
 //!   is proved by tests: its factors are orthonormal, and rotation commutes with evaluation.
 //! - **\[Slo08\]** P.-P. Sloan. *Stupid Spherical Harmonics (SH) Tricks.* Game Developers Conference, 2008.
+//! - **\[Slo17\]** P.-P. Sloan. *Deringing Spherical Harmonics.* SIGGRAPH Asia Technical Briefs, 2017.
+//!   <https://doi.org/10.1145/3145749.3149438>.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
@@ -158,7 +160,9 @@ pub use scaling::{Preserve, Tau};
 #[cfg(feature = "alloc")]
 pub use sphere::{Quadrature, fibonacci};
 pub use vector::{dot, scale_bands};
-pub use window::hanning;
+#[cfg(feature = "alloc")]
+pub use window::{Minimum, minimum, minimum_zonal, nonnegative_window};
+pub use window::{Window, gaussian, hanning, lanczos, laplacian, laplacian_lambda};
 pub use zonal::{clamped_cosine, convolve, expand_lobe, expand_zonal, lobe_from_zonal, zonal_from_lobe};
 
 #[cfg(all(doctest, feature = "std"))]
