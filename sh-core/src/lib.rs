@@ -42,6 +42,7 @@
 //!
 //! The papers, DirectX and 3D Gaussian splats use the same signs. Libraries without the phase (sphericart, sphrs, SciPy-style
 //! real harmonics, three.js) differ by the factor `(−1)^m` for each coefficient. "Order" there may mean `l_max = n − 1`.
+//! Converters: [`toggle_condon_shortley`], [`to_complex`], [`from_splat`], [`to_filament`], [`z_up_from_y_up`], and back.
 //!
 //! # Frames
 //!
@@ -107,6 +108,8 @@
 //! - **\[Slo08\]** P.-P. Sloan. *Stupid Spherical Harmonics (SH) Tricks.* Game Developers Conference, 2008.
 //! - **\[Slo17\]** P.-P. Sloan. *Deringing Spherical Harmonics.* SIGGRAPH Asia Technical Briefs, 2017.
 //!   <https://doi.org/10.1145/3145749.3149438>.
+//! - **\[KKLD23\]** B. Kerbl, G. Kopanas, T. Leimkühler, G. Drettakis. *3D Gaussian Splatting for Real-Time Radiance Field
+//!   Rendering.* ACM Transactions on Graphics 42(4) (SIGGRAPH), 2023. <https://doi.org/10.1145/3592433>.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
@@ -127,6 +130,7 @@ extern crate std;
 compile_error!("sh-core needs floating-point functions: enable its feature `std` (the default) or `libm`");
 
 mod basis;
+mod convention;
 mod error;
 mod maps;
 mod order;
@@ -146,6 +150,11 @@ mod zonal;
 #[cfg(feature = "alloc")]
 pub use basis::Basis;
 pub use basis::{eval, reconstruct};
+pub use convention::{
+    SplatLayout, from_complex, from_filament, from_splat, to_complex, to_filament, to_splat, toggle_condon_shortley,
+};
+#[cfg(feature = "alloc")]
+pub use convention::{y_up_from_z_up, z_up_from_y_up};
 pub use error::Error;
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
