@@ -72,8 +72,11 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], projection, and reconstruction of maps |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`ScalingMatrix`], [`minimum`], projection, and reconstruction of maps |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
+//! | `glam` | no | [`RotationRows`] of glam's matrices and quaternions |
+//! | `nalgebra` | no | [`RotationRows`] of nalgebra's rotations and unit quaternions, [`ScalingMatrix`] as a `DMatrix`; implies `alloc` |
+//! | `serde` | no | reading and writing of [`Order`], [`LatLong`], [`CubeMap`], [`Tau`], [`Preserve`], [`Interpolation`], [`Window`], [`SplatLayout`] |
 //!
 //! One of `std` and `libm` is needed.
 //!
@@ -132,14 +135,21 @@ compile_error!("sh-core needs floating-point functions: enable its feature `std`
 mod basis;
 mod convention;
 mod error;
+#[cfg(feature = "glam")]
+mod glam;
 mod maps;
+#[cfg(feature = "nalgebra")]
+mod nalgebra;
 mod order;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
 #[cfg(feature = "alloc")]
 mod rotation;
+mod rows;
 mod scaling;
+#[cfg(feature = "serde")]
+mod serde;
 mod simd;
 #[cfg(feature = "alloc")]
 mod sphere;
@@ -163,6 +173,7 @@ pub use project::{project_cube, project_function, project_lat_long, reconstruct_
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::ShRotation;
+pub use rows::RotationRows;
 #[cfg(feature = "alloc")]
 pub use scaling::{Interpolation, ScalingMatrix, ScalingTable, geometric_nodes};
 pub use scaling::{Preserve, Tau};

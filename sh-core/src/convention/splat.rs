@@ -7,7 +7,7 @@ use crate::{Order, Real};
 
 /// The order in which a splat's coefficients above band 0 lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub enum SplatLayout {
     /// All of red, then green, then blue, `[3, n² − 1]`: the properties `f_rest_0, f_rest_1, ...` of a PLY file.
     Planar,

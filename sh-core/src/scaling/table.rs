@@ -9,7 +9,7 @@ use crate::{Error, Order, Real};
 
 /// How [`ScalingTable`] finds a matrix between its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub enum Interpolation {
     /// Linear in `k`, between two nodes, as in [WXZ06](crate#references).
     Linear,

@@ -23,7 +23,7 @@ use crate::{Error, Real};
 /// assert_eq!(Tau::cone(1.0).angle(1.25), Some(1.25));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub enum Tau {
     /// The cone geometric approximation: the object's surface is a cone that faces the viewer.
     ///
@@ -57,7 +57,7 @@ pub enum Tau {
 
 /// What scaling keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub enum Preserve {
     /// Values: `F(θ, φ) = F_r(τ(θ), φ)`. For visibility and occlusion, and for radiance, which is constant along a ray.
     /// A constant function stays as it is.

@@ -114,7 +114,7 @@ pub fn gaussian<T: Real>(order: Order, time: T, weights: &mut [T]) {
 
 /// A family of windows, from one that keeps everything (strength 0) to one that keeps band 0 only (infinite strength).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub enum Window {
     /// [`hanning`] with `width = 1/strength`.
     Hanning,
