@@ -266,6 +266,10 @@ fn lambda_leaves_the_fraction_asked_for() {
     for left in [1.0, 2.0, f64::NAN] {
         assert_eq!(laplacian_lambda(order(3), &one, left), 0.0);
     }
+    for left in [f64::MIN_POSITIVE, 5e-324] {
+        let lambda = laplacian_lambda(order(3), &one, left);
+        assert!(lambda.is_finite() && lambda > 1e150, "{left}: {lambda}");
+    }
     for left in [0.0, -1.0] {
         assert_eq!(laplacian_lambda(order(3), &one, left), f64::INFINITY);
     }

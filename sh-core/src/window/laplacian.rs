@@ -73,10 +73,11 @@ pub fn laplacian_lambda<T: Real>(order: Order, coeffs: &[T], left: T) -> T {
         }
         let inverse_root = 1.0 / Real::sqrt(r);
         let step = (target - inverse_root) / (-0.5 * slope * inverse_root / r);
-        lambda += step;
-        if !(step > 1e-15 * lambda) {
+        // A fraction that has vanished in `f64` has no root: then this is far enough.
+        if !step.is_finite() || step <= 1e-15 * lambda {
             break;
         }
+        lambda += step;
     }
     T::from_f64(lambda)
 }
