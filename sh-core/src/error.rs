@@ -24,4 +24,30 @@ pub enum Error {
         /// The values that have a meaning.
         accepted: &'static str,
     },
+    /// A number among samples that cannot be fitted.
+    #[error("{what} {item} of the samples is {given}")]
+    Sample {
+        /// What it belongs to.
+        what: &'static str,
+        /// The index of the sample.
+        item: usize,
+        /// The number.
+        given: f64,
+    },
+    /// The weight of the smoothness of a fit is not a finite number from 0.
+    #[error("smoothing {given} is not a finite number from 0")]
+    Smoothing {
+        /// The number.
+        given: f64,
+    },
+    /// Samples leave a coefficient open.
+    #[error("{samples} samples do not determine all {} coefficients of order {order}: the first that is open is {index}", .order * .order)]
+    Undetermined {
+        /// The number of bands asked for.
+        order: usize,
+        /// The number of samples.
+        samples: usize,
+        /// The index of the first coefficient that follows from none of the samples and the coefficients before it.
+        index: usize,
+    },
 }

@@ -135,6 +135,7 @@ compile_error!("sh-core needs floating-point functions: enable its feature `std`
 mod basis;
 mod convention;
 mod error;
+mod expansion;
 #[cfg(feature = "glam")]
 mod glam;
 mod maps;
@@ -158,18 +159,19 @@ mod window;
 mod zonal;
 
 #[cfg(feature = "alloc")]
-pub use basis::Basis;
-pub use basis::{eval, reconstruct};
+pub use basis::{BLOCK, Basis, BasisGradient};
+pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use convention::{
     SplatLayout, from_complex, from_filament, from_splat, to_complex, to_filament, to_splat, toggle_condon_shortley,
 };
 #[cfg(feature = "alloc")]
 pub use convention::{y_up_from_z_up, z_up_from_y_up};
 pub use error::Error;
+pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
-pub use project::{project_cube, project_function, project_lat_long, reconstruct_lat_long};
+pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::ShRotation;
