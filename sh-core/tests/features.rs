@@ -77,21 +77,21 @@ fn scaling_matrices_become_nalgebra_matrices() {
 fn options_are_written_and_read() {
     use sh_core::{CubeMap, Interpolation, LatLong, Order, Preserve, SplatLayout, Tau, Window};
 
-    fn there_and_back<T>(value: T, json: &str)
+    fn there_and_back<T>(value: &T, json: &str)
     where
         T: serde::Serialize + serde::de::DeserializeOwned + PartialEq + std::fmt::Debug,
     {
-        assert_eq!(serde_json::to_string(&value).unwrap(), json);
-        assert_eq!(serde_json::from_str::<T>(json).unwrap(), value);
+        assert_eq!(serde_json::to_string(value).unwrap(), json);
+        assert_eq!(serde_json::from_str::<T>(json).unwrap(), *value);
     }
-    there_and_back(Order::new(6).unwrap(), "6");
-    there_and_back(LatLong { width: 4, height: 2 }, r#"{"width":4,"height":2}"#);
-    there_and_back(CubeMap { size: 8 }, r#"{"size":8}"#);
-    there_and_back(Tau::Cone { k: 0.5, alpha: 0.25 }, r#"{"Cone":{"k":0.5,"alpha":0.25}}"#);
-    there_and_back(Preserve::Energy, r#""Energy""#);
-    there_and_back(Interpolation::CubicLog, r#""CubicLog""#);
-    there_and_back(Window::Lanczos, r#""Lanczos""#);
-    there_and_back(SplatLayout::Planar, r#""Planar""#);
+    there_and_back(&Order::new(6).unwrap(), "6");
+    there_and_back(&LatLong { width: 4, height: 2 }, r#"{"width":4,"height":2}"#);
+    there_and_back(&CubeMap { size: 8 }, r#"{"size":8}"#);
+    there_and_back(&Tau::Cone { k: 0.5, alpha: 0.25 }, r#"{"Cone":{"k":0.5,"alpha":0.25}}"#);
+    there_and_back(&Preserve::Energy, r#""Energy""#);
+    there_and_back(&Interpolation::CubicLog, r#""CubicLog""#);
+    there_and_back(&Window::Lanczos, r#""Lanczos""#);
+    there_and_back(&SplatLayout::Planar, r#""Planar""#);
 }
 
 #[cfg(feature = "serde")]

@@ -94,8 +94,11 @@ impl Tau {
         }
     }
 
-    /// An error if `k` or `alpha` has no meaning.
-    pub(super) fn validate(self) -> Result<Self, Error> {
+    /// Returns the same function if it has a meaning.
+    ///
+    /// # Errors
+    /// [`Error::Scaling`] if `k` or `alpha` is outside the range stated at its variant.
+    pub fn validate(self) -> Result<Self, Error> {
         let positive = |k: f64| k.is_finite() && k >= f64::MIN_POSITIVE;
         match self {
             Self::Cone { k, .. } | Self::Sphere { k } if !positive(k) => {
