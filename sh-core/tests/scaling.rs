@@ -407,6 +407,23 @@ fn sphere_keeps_the_front() {
 }
 
 #[test]
+fn f32_is_f64_rounded() {
+    for n in [4, 6, 10] {
+        let exact = matrix(n, n, Tau::cone(1.6), Preserve::Value);
+        let single = ScalingMatrix::<f32>::new(order(n), order(n), Tau::cone(1.6), Preserve::Value).unwrap();
+        assert!(exact.entries().zip(single.entries()).all(|(a, b)| a.2 as f32 == b.2));
+        // Coefficients of unit length.
+        let coeffs = light(n * n);
+        let length = coeffs.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let unit: Vec<f64> = coeffs.iter().map(|f| f / length).collect();
+        let (mut out, mut rounded) = (vec![0.0; n * n], vec![0.0_f32; n * n]);
+        exact.apply(&unit, &mut out);
+        single.apply(&unit.iter().map(|&f| f as f32).collect::<Vec<_>>(), &mut rounded);
+        assert_close(&out, &rounded.iter().map(|&f| f64::from(f)).collect::<Vec<_>>(), 2e-7, "f32");
+    }
+}
+
+#[test]
 fn every_order_and_extreme_is_finite_in_f32() {
     for n in 1..=10 {
         for tau in EXTREMES.into_iter().flat_map(|k| [Tau::cone(k), Tau::Sphere { k }, Tau::MidRange { k: k.min(1.0) }])

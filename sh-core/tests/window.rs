@@ -140,11 +140,15 @@ fn minima_with_documented_answers() {
         }
     }
     // Tiny and huge coefficients.
-    for scale in [1e-150, 1e140] {
+    for scale in [1e-300, 1e-150, 1e140, 1e300] {
         let (plain, scaled) = (noise(25, 0.0), noise(25, 0.0).iter().map(|f| f * scale).collect::<Vec<_>>());
         let [plain, scaled] = [plain, scaled].map(|coeffs| minimum(order(5), &coeffs));
         assert!((scaled.value / scale - plain.value).abs() < 1e-13, "{scale}: {plain:?} {scaled:?}");
     }
+    // A mean that dwarfs the rest takes nothing from the direction.
+    let (mut coeffs, plain) = (noise(25, 0.0), minimum(order(5), &noise(25, 0.0)));
+    coeffs[0] = 1e12;
+    assert_eq!(minimum(order(5), &coeffs).direction, plain.direction);
     // In f32, the value of the f64 search.
     let coeffs: Vec<f32> = noise(36, 0.0).iter().map(|&f| f as f32).collect();
     let wide: Vec<f64> = coeffs.iter().map(|&f| f64::from(f)).collect();

@@ -15,7 +15,8 @@ use crate::{Error, Order, Real, index};
 /// A light of order `n′` captured at `n′` is scaled exactly by the rectangular `[n², n′²]` matrix; capturing at n + 2 or
 /// n + 4 is 7 to 70 times more accurate than at n. Truncated matrices do not compose: always scale from what was captured.
 ///
-/// Accuracy: entries to 1e-12 for n, n′ ≤ 32 and k from 1e-6 to 1e6, asserted by `tests/scaling.rs`.
+/// Accuracy: entries to 1e-12 for n, n′ ≤ 32 and k from 1e-6 to 1e6 before they are rounded to the type; in `f32` scaled
+/// coefficients to 2e-7 for a vector of unit length and n ≤ 10; asserted by `tests/scaling.rs`.
 ///
 /// ```
 /// use sh_core::{Order, Preserve, ScalingMatrix, Tau};

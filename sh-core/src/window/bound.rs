@@ -166,3 +166,53 @@ pub(super) fn normalized(v: [f64; 3]) -> [f64; 3] {
 fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [b * z - c * y, c * x - a * z, a * y - b * x]
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::fibonacci;
+
+    /// No value within the angle is below the bound, and the bound is within the cubic term and the corners of the square.
+    #[test]
+    fn bounds_hold_and_are_near() {
+        let mut tightest = f64::INFINITY;
+        for n in 2..9 {
+            let coeffs: Vec<f64> = (1..=n * n).map(|i| (1.3 * (i * i) as f64).sin()).collect();
+            let mut surface = Surface::new(Order::new(n).unwrap(), coeffs);
+            for (direction, radius) in fibonacci(40).into_iter().flat_map(|d| [0.3, 0.03, 0.003].map(|r| (d, r))) {
+                let local = surface.at(direction);
+                let bound = surface.lower_bound(&local, radius);
+                for turn in (0..64).map(|i| f64::from(i) * core::f64::consts::TAU / 64.0) {
+                    let step = [radius * turn.cos(), radius * turn.sin()];
+                    // The chord of a step is a little shorter than its angle.
+                    for part in [0.25, 0.5, 0.75, 1.0] {
+                        let value = surface.value(local.moved(step.map(|s| part * s)));
+                        assert!(value >= bound - 1e-13, "n = {n}, {direction:?}, {radius}: {value} {bound}");
+                        tightest = tightest.min((value - bound) / (radius * radius));
+                    }
+                }
+            }
+        }
+        // It is touched, but for the third power, somewhere among so many.
+        assert!(tightest < 0.05, "{tightest}");
+    }
+
+    #[test]
+    fn the_quadratic_is_the_function_nearby() {
+        let coeffs: Vec<f64> = (1..=36).map(|i| (1.3 * f64::from(i * i)).sin()).collect();
+        let mut surface = Surface::new(Order::new(6).unwrap(), coeffs);
+        for direction in fibonacci(50) {
+            let local = surface.at(direction);
+            for [a, b] in [[1e-3, 0.0], [0.0, 1e-3], [-1e-3, 1e-3]] {
+                let along = |i: usize, t: f64| (local.slopes[i] + 0.5 * local.curvatures[i] * t) * t;
+                let value = surface.value(local.moved([a, b]));
+                let expected = local.value + along(0, a) + along(1, b);
+                // Third derivatives are up to 5³ times the swing, here about 15, and a chord is 3e-10 shorter than its angle.
+                assert!((value - expected).abs() < 1e-6, "{direction:?}: {value} {expected}");
+            }
+        }
+    }
+}

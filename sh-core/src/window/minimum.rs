@@ -72,7 +72,12 @@ fn minimum_of_finite(order: Order, coeffs: Vec<f64>) -> (f64, [f64; 3]) {
     if order.get() == 2 {
         return minimum_of_linear(&coeffs);
     }
-    search(Surface::new(order, coeffs))
+    // The mean apart, and the rest of size 1: no square of a coefficient overflows or vanishes.
+    let mean = coeffs[0] * Real::sqrt(0.25 / core::f64::consts::PI);
+    let size = coeffs[1..].iter().map(|f| f.abs()).fold(0.0, f64::max);
+    let swinging = coeffs.iter().enumerate().map(|(i, f)| if i == 0 { 0.0 } else { f / size });
+    let (value, direction) = search(Surface::new(order, swinging.collect()));
+    (mean + size * value, direction)
 }
 
 /// `f_00 y_00 − |b|` against the gradient `b` of the linear part, which is not zero.

@@ -11,7 +11,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::FRAC_1_SQRT_2;
+use core::f64::consts::SQRT_2;
 
 use crate::{Order, Real, index};
 
@@ -25,32 +25,28 @@ pub(super) fn turned(order: Order, coeffs: &[f64]) -> [Vec<f64>; 3] {
                 z[index(l, -m)] -= m as f64 * plus;
                 z[index(l, m)] += m as f64 * minus;
             }
+            // y_l0 is Y^0 itself, the others are √2 times a part of Y^m: between m = 0 and 1 there is a factor √2.
             if m < l as isize {
-                // From m up to m + 1; from m = 0, where y is Y itself, 1/√2 of both parts of Y^1.
-                let alpha = half_root(l, m) * if m == 0 { 2.0 * FRAC_1_SQRT_2 } else { 1.0 };
-                let (up, down) = (index(l, m + 1), index(l, -m - 1));
-                x[down] -= alpha * plus;
-                x[up] += alpha * minus;
-                y[up] += alpha * plus;
-                y[down] += alpha * minus;
+                let half_alpha = half_root(l, m) * if m == 0 { SQRT_2 } else { 1.0 };
+                add(&mut x, l, m + 1, half_alpha * minus, -half_alpha * plus);
+                add(&mut y, l, m + 1, half_alpha * plus, half_alpha * minus);
             }
             if m > 0 {
-                // From m down to m − 1; to m = 0, √2 of the real part, and there is no imaginary one.
-                let beta = half_root(l, m - 1);
-                if m == 1 {
-                    x[index(l, 0)] += beta * 2.0 * FRAC_1_SQRT_2 * minus;
-                    y[index(l, 0)] -= beta * 2.0 * FRAC_1_SQRT_2 * plus;
-                } else {
-                    let (up, down) = (index(l, m - 1), index(l, 1 - m));
-                    x[down] -= beta * plus;
-                    x[up] += beta * minus;
-                    y[up] -= beta * plus;
-                    y[down] -= beta * minus;
-                }
+                let half_beta = half_root(l, m - 1) * if m == 1 { SQRT_2 } else { 1.0 };
+                add(&mut x, l, m - 1, half_beta * minus, -half_beta * plus);
+                add(&mut y, l, m - 1, -half_beta * plus, -half_beta * minus);
             }
         }
     }
     [x, y, z]
+}
+
+/// Adds to the coefficients of `y_lm` and `y_l−m`; at m = 0 there is no imaginary part.
+fn add(coeffs: &mut [f64], l: usize, m: isize, real: f64, imaginary: f64) {
+    coeffs[index(l, m)] += real;
+    if m > 0 {
+        coeffs[index(l, -m)] += imaginary;
+    }
 }
 
 /// `√((l−m)(l+m+1)) / 2`
