@@ -72,7 +72,7 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`ScalingMatrix`], [`minimum`], projection, and reconstruction of maps |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`ScalingMatrix`], [`minimum`], projection, reconstruction of maps, [`polygon_light`], skies |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
 //! | `glam` | no | [`RotationRows`] of glam's matrices and quaternions |
 //! | `nalgebra` | no | [`RotationRows`] of nalgebra's rotations and unit quaternions, [`ScalingMatrix`] as a `DMatrix`; implies `alloc` |
@@ -117,6 +117,22 @@
 //!   <https://doi.org/10.1145/383259.383317>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
+//! - **\[DLMF\]** *NIST Digital Library of Mathematical Functions.* <https://dlmf.nist.gov>.
+//! - **\[RH02\]** R. Ramamoorthi, P. Hanrahan. *Frequency Space Environment Map Rendering.* ACM Transactions on Graphics
+//!   21(3) (SIGGRAPH), 2002.
+//! - **\[Bue04\]** T. Bülow. *Spherical Diffusion for 3D Surface Smoothing.* IEEE Transactions on Pattern Analysis and
+//!   Machine Intelligence 26(12), 2004.
+//! - **\[HSRG07\]** C. Han, B. Sun, R. Ramamoorthi, E. Grinspun. *Frequency Domain Normal Map Filtering.* ACM Transactions on
+//!   Graphics 26(3) (SIGGRAPH), 2007. <http://www.cs.columbia.edu/cg/normalmap/>.
+//! - **\[WRGSG09\]** J. Wang, P. Ren, M. Gong, J. Snyder, B. Guo. *All-Frequency Rendering of Dynamic, Spatially-Varying
+//!   Reflectance.* ACM Transactions on Graphics 28(5) (SIGGRAPH Asia), 2009. <https://doi.org/10.1145/1618452.1618479>.
+//! - **\[WMLT07\]** B. Walter, S. Marschner, H. Li, K. Torrance. *Microfacet Models for Refraction through Rough Surfaces.*
+//!   Eurographics Symposium on Rendering, 2007. <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
+//! - **\[MS42\]** P. Moon, D. Spencer. *Illumination from a Non-Uniform Sky.* Transactions of the Illuminating Engineering
+//!   Society 37, 1942.
+//! - **\[CIE03\]** *Spatial Distribution of Daylight: CIE Standard General Sky.* CIE S 011/E:2003, ISO 15469:2004.
+//! - **\[WR18\]** J. Wang, R. Ramamoorthi. *Analytic Spherical Harmonic Coefficients for Polygonal Area Lights.* ACM
+//!   Transactions on Graphics 37(4) (SIGGRAPH), 2018. <https://doi.org/10.1145/3197517.3201291>.
 
 #![no_std]
 #![cfg_attr(
@@ -134,10 +150,13 @@ compile_error!("sh-core needs floating-point functions: enable its feature `std`
 
 mod basis;
 mod convention;
+mod direction;
 mod error;
 mod expansion;
+mod extract;
 #[cfg(feature = "glam")]
 mod glam;
+mod light;
 mod maps;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
@@ -151,6 +170,7 @@ mod rows;
 mod scaling;
 #[cfg(feature = "serde")]
 mod serde;
+#[cfg_attr(not(feature = "alloc"), allow(dead_code, reason = "a scalar is one lane; wider ones are for batches"))]
 mod simd;
 #[cfg(feature = "alloc")]
 mod sphere;
@@ -168,6 +188,17 @@ pub use convention::{
 pub use convention::{y_up_from_z_up, z_up_from_y_up};
 pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
+#[cfg(feature = "alloc")]
+pub use extract::irradiance;
+pub use extract::{
+    DominantLight, band_energy, dominant_direction, dominant_light, irradiance_from_radiance, irradiance_matrices,
+};
+#[cfg(feature = "alloc")]
+pub use light::{CieSky, cie_sky, clear_sky, polygon_light};
+pub use light::{
+    ambient_light, cone_light, directional_light, directional_light_normalised, disk_light, hemisphere_light,
+    overcast_sky, sphere_light,
+};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
@@ -185,7 +216,13 @@ pub use vector::{dot, scale_bands};
 #[cfg(feature = "alloc")]
 pub use window::{Minimum, minimum, minimum_zonal, nonnegative_window};
 pub use window::{Window, gaussian, hanning, lanczos, laplacian, laplacian_lambda};
-pub use zonal::{clamped_cosine, convolve, expand_lobe, expand_zonal, lobe_from_zonal, zonal_from_lobe};
+#[cfg(feature = "alloc")]
+pub use zonal::project_zonal;
+pub use zonal::{
+    cap_kernel, clamped_cosine, clamped_cosine_power, convolve, expand_lobe, expand_zonal, fit_lobe_about_axis,
+    gaussian_kernel, ggx_kernel, linear_axis, lobe_from_zonal, lobe_value, phong_kernel, spherical_cap,
+    spherical_gaussian, von_mises_fisher_kernel, zonal_from_lobe, zonal_value,
+};
 
 #[cfg(all(doctest, feature = "std"))]
 #[doc = include_str!("../README.md")]
