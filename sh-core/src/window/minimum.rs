@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::bound::{Surface, normalized};
+use super::bound::{Local, Surface, normalized};
 use super::zonal_minimum::minimum_zonal;
 use crate::order::assert_length;
 use crate::{Order, Real, index};
@@ -63,8 +63,7 @@ pub fn minimum<T: Real>(order: Order, coeffs: &[T]) -> Minimum<T> {
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 fn minimum_of_finite(order: Order, coeffs: Vec<f64>) -> (f64, [f64; 3]) {
-    let zonal = order.bands().all(|(l, band)| band.filter(|&i| i != index(l, 0)).all(|i| coeffs[i] == 0.0));
-    if zonal {
+    if is_zonal(order, &coeffs) {
         let zonal: Vec<f64> = (0..order.get()).map(|l| coeffs[index(l, 0)]).collect();
         let (value, z) = minimum_zonal(&zonal);
         return (value, [Real::sqrt((1.0 - z) * (1.0 + z)), 0.0, z]);
@@ -72,12 +71,33 @@ fn minimum_of_finite(order: Order, coeffs: Vec<f64>) -> (f64, [f64; 3]) {
     if order.get() == 2 {
         return minimum_of_linear(&coeffs);
     }
-    // The mean apart, and the rest of size 1: no square of a coefficient overflows or vanishes.
+    let (mean, size, swinging) = split(coeffs);
+    let best = search(Surface::new(order, swinging), None);
+    (mean + size * best.value, best.direction)
+}
+
+/// Whether an expansion with finite coefficients is nowhere negative: what [`minimum`] says of it, without looking for the
+/// lowest value once one is negative, nor among those that are positive.
+pub(super) fn is_nonnegative(order: Order, coeffs: Vec<f64>) -> bool {
+    if order.get() <= 2 || is_zonal(order, &coeffs) {
+        return minimum_of_finite(order, coeffs).0 >= 0.0;
+    }
+    let (mean, size, swinging) = split(coeffs);
+    let floor = -mean / size;
+    search(Surface::new(order, swinging), Some(floor)).value >= floor
+}
+
+fn is_zonal(order: Order, coeffs: &[f64]) -> bool {
+    order.bands().all(|(l, band)| band.filter(|&i| i != index(l, 0)).all(|i| coeffs[i] == 0.0))
+}
+
+/// The mean, the largest of the other coefficients, and the rest over that: so the square of none overflows or vanishes.
+fn split(mut coeffs: Vec<f64>) -> (f64, f64, Vec<f64>) {
     let mean = coeffs[0] * Real::sqrt(0.25 / core::f64::consts::PI);
     let size = coeffs[1..].iter().map(|f| f.abs()).fold(0.0, f64::max);
-    let swinging = coeffs.iter().enumerate().map(|(i, f)| if i == 0 { 0.0 } else { f / size });
-    let (value, direction) = search(Surface::new(order, swinging.collect()));
-    (mean + size * value, direction)
+    coeffs[0] = 0.0;
+    coeffs.iter_mut().for_each(|f| *f /= size);
+    (mean, size, coeffs)
 }
 
 /// `f_00 y_00 − |b|` against the gradient `b` of the linear part, which is not zero.
@@ -123,11 +143,12 @@ impl Square {
     }
 }
 
-fn search(mut surface: Surface) -> (f64, [f64; 3]) {
+/// - `floor`: if given, only values below it are looked for, and the first is good enough
+fn search(mut surface: Surface, floor: Option<f64>) -> Local {
     let mut best = surface.at(UP);
     let certain = CERTAINTY * surface.swing;
     let mut squares: Vec<Square> = (0..6).map(|face| Square { face, centre: [0.0; 2], half: 1.0 }).collect();
-    while !squares.is_empty() {
+    while !squares.is_empty() && floor.is_none_or(|floor| best.value >= floor) {
         let quarters = squares.iter().flat_map(|square| square.quarters());
         let known: Vec<_> = quarters.map(|square| (square, surface.at(square.direction()))).collect();
         if let Some((_, lowest)) = known.iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value)) {
@@ -136,9 +157,9 @@ fn search(mut surface: Surface) -> (f64, [f64; 3]) {
                 best = lowest;
             }
         }
-        let open =
-            known.iter().filter(|(square, local)| surface.lower_bound(local, square.radius()) < best.value - certain);
+        let wanted = floor.unwrap_or(best.value) - certain;
+        let open = known.iter().filter(|(square, local)| surface.lower_bound(local, square.radius()) < wanted);
         squares = open.map(|(square, _)| *square).collect();
     }
-    (best.value, best.direction)
+    best
 }
