@@ -99,6 +99,23 @@ fn the_minimum_of_a_peak_is_its_height() {
     }
 }
 
+/// Of two nearly equal minima the lower one is found, wherever both are.
+#[test]
+fn the_lower_of_two_minima_is_found() {
+    for n in [4, 6, 10] {
+        let directions = fibonacci(11);
+        for (a, b) in directions.iter().flat_map(|a| directions[..5].iter().map(move |b| (*a, b.map(|b| -b)))) {
+            let (mut coeffs, mut other) = (vec![0.0_f64; n * n], vec![0.0; n * n]);
+            eval(order(n), a, &mut coeffs);
+            eval(order(n), b, &mut other);
+            coeffs.iter_mut().zip(&other).for_each(|(f, o)| *f = -*f - 1.0001 * o);
+            let along = |found: [f64; 3], d: [f64; 3]| found.iter().zip(d).map(|(f, d)| f * d).sum::<f64>();
+            let found = minimum(order(n), &coeffs);
+            assert!(along(found.direction, b) > along(found.direction, a), "n = {n}: {a:?} {b:?} {found:?}");
+        }
+    }
+}
+
 /// About a tilted axis the minima of a zonal function are rings, found here in the plane and there in one dimension.
 #[test]
 fn rings_and_flats_are_no_obstacle() {

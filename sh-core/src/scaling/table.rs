@@ -31,7 +31,7 @@ pub enum Interpolation {
 ///     ScalingTable::<f32>::new(order, order, &nodes, Tau::cone, Preserve::Value, Interpolation::CubicLog)?;
 /// let mut matrix = table.matrix(1.37); // allocates once
 /// table.interpolate(0.93, &mut matrix); // per vertex: does not
-/// let exact = ScalingMatrix::new(order, order, Tau::cone(0.93), Preserve::Value)?;
+/// let exact = ScalingMatrix::<f32>::new(order, order, Tau::cone(0.93), Preserve::Value)?;
 /// assert!(matrix.entries().zip(exact.entries()).all(|(a, b)| (a.2 - b.2).abs() < 5e-4));
 /// # Ok::<(), sh_core::Error>(())
 /// ```
