@@ -113,6 +113,10 @@
 //!   <https://doi.org/10.1145/3145749.3149438>.
 //! - **\[KKLD23\]** B. Kerbl, G. Kopanas, T. Leimkühler, G. Drettakis. *3D Gaussian Splatting for Real-Time Radiance Field
 //!   Rendering.* ACM Transactions on Graphics 42(4) (SIGGRAPH), 2023. <https://doi.org/10.1145/3592433>.
+//! - **\[VMK88\]** D. A. Varshalovich, A. N. Moskalev, V. K. Khersonskii. *Quantum Theory of Angular Momentum.* World
+//!   Scientific, 1988. <https://doi.org/10.1142/0270>.
+//! - **\[Zyg02\]** A. Zygmund. *Trigonometric Series.* Third edition, Cambridge University Press, 2002 (first 1935).
+//!   <https://doi.org/10.1017/CBO9781316036587>.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical

@@ -57,6 +57,15 @@ fn interpolation_errors_of_the_paper_sized_table() {
 }
 
 #[test]
+fn the_cone_table_is_the_paper_sized_one() {
+    let nodes = geometric_nodes(0.2, 16.0, 40).unwrap();
+    assert_eq!(
+        ScalingTable::cone(order(4), order(4), Preserve::Value).unwrap(),
+        table(4, &nodes, Interpolation::CubicLog)
+    );
+}
+
+#[test]
 fn nodes_are_the_computed_matrices() {
     let nodes = geometric_nodes(0.2, 16.0, 40).unwrap();
     for interpolation in [Interpolation::Linear, Interpolation::CubicLog, Interpolation::Cubic] {
