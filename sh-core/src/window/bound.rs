@@ -33,7 +33,7 @@ impl Surface {
     /// - `coeffs`: `[n²]`, finite
     pub(super) fn new(order: Order, coeffs: Vec<f64>) -> Self {
         // sup |f_l| ≤ √((2l+1)/4π) |f_l|, and on a great circle f_l is a trigonometric polynomial of degree l, whose third
-        // derivative is at most l³ times that: Bernstein's inequality, [Zyg02] chapter X, theorem 3.13.
+        // derivative is at most l³ times that: Bernstein's inequality, [Zyg02] chapter X.
         let sup = |l: usize| {
             let band = &coeffs[l * l..(l + 1) * (l + 1)];
             Real::sqrt((2 * l + 1) as f64 / (4.0 * core::f64::consts::PI) * dot(band, band))

@@ -2,7 +2,7 @@
 //!
 //! `(D_a f)(s) = (a × s) · ∇f` is the rate at which `f` changes as `s` turns about `a`. It keeps bands apart. With the complex
 //! `Y_l^m`, Condon-Shortley phase included, and `α_m = √((l−m)(l+m+1))`, `β_m = √((l+m)(l−m+1))`
-//! ([VMK88](crate#references), section 5.7, for the operators of angular momentum `−i D`):
+//! ([VMK88](crate#references), chapter 5, for the operators of angular momentum `−i D`):
 //!
 //! ```text
 //! D_x Y^m = i/2 (α_m Y^(m+1) + β_m Y^(m−1))    D_y Y^m = 1/2 (α_m Y^(m+1) − β_m Y^(m−1))    D_z Y^m = i m Y^m
