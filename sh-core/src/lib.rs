@@ -1,6 +1,26 @@
-//! Real spherical harmonics to any order: evaluate, project, rotate, convolve, window.
+//! Real spherical harmonics to any order: evaluate, project, light, rotate, multiply, convolve, scale, window, extract.
 //!
 //! This page fixes the conventions once, for this crate and for everything that is built on it.
+//!
+//! # What is where
+//!
+//! Functions work on slices of stated shape; [`Sh`] owns its coefficients, for orders that are known when the program is
+//! compiled.
+//!
+//! | to do | with |
+//! |---|---|
+//! | evaluate the basis | [`eval`]; [`Basis`] for many directions; [`eval_gradient`], [`eval_hessian`], [`BasisGradient`] |
+//! | evaluate an expansion | [`reconstruct`], [`Basis::reconstruct`], [`reconstruct_lat_long`] |
+//! | expand a function | [`project_function`]; [`Basis::project`] for samples with weights, [`LeastSquares`] for those without |
+//! | expand a map | [`project_lat_long`], [`project_cube`] |
+//! | analytic lights | [`directional_light`], [`disk_light`], [`sphere_light`], [`cone_light`], [`hemisphere_light`], [`ambient_light`], [`polygon_light`], [`overcast_sky`], [`clear_sky`], [`cie_sky`] |
+//! | rotate | [`rotate`], [`rotate_quaternion`], [`rotate_z`]; [`ShRotation`] for many vectors; [`Zxzxz`] by tables; [`Taylor`] for small angles |
+//! | multiply | [`product`], [`product_many`], [`square`], [`product_matrix`], [`triple_product`]; [`exp`], [`log`] |
+//! | zonal functions | [`zonal_value`], [`project_zonal`], [`expand_zonal`], [`expand_lobe`], [`convolve`]; kernels from [`clamped_cosine`] to [`ggx_kernel`]; [`fit_lobe_about_axis`] |
+//! | scale about an axis | [`ScalingMatrix`], [`ScalingTable`] |
+//! | fade out ringing | [`hanning`], [`lanczos`], [`laplacian`], [`gaussian`], [`nonnegative_window`]; [`minimum`] |
+//! | extract | [`dominant_light`], [`irradiance`], [`irradiance_matrices`], [`band_energy`] |
+//! | exchange with other libraries | [`toggle_condon_shortley`], [`from_splat`], [`from_filament`], [`from_complex`], [`y_up_from_z_up`] |
 //!
 //! # Words
 //!

@@ -109,3 +109,17 @@ fn orders_are_checked_when_read() {
     assert!(serde_json::from_str::<Order>("-1").is_err());
     assert!(serde_json::from_str::<Order>("2.5").is_err());
 }
+
+#[cfg(feature = "serde")]
+#[test]
+fn expansions_keep_their_length() {
+    use sh_core::Sh2;
+
+    let sh = Sh2::new([1.0_f32, -2.5, 0.0, 3.0]);
+    assert_eq!(serde_json::to_string(&sh).unwrap(), "[1.0,-2.5,0.0,3.0]");
+    assert_eq!(serde_json::from_str::<Sh2<f32>>("[1.0,-2.5,0.0,3.0]").unwrap(), sh);
+    for json in ["[1.0,2.0,3.0]", "[1.0,2.0,3.0,4.0,5.0]", "[]"] {
+        let message = serde_json::from_str::<Sh2<f32>>(json).unwrap_err().to_string();
+        assert!(message.contains("expected 4 coefficients"), "{message}");
+    }
+}
