@@ -3,6 +3,7 @@
 mod error_against_order;
 mod error_against_rays;
 mod numbers;
+mod peers;
 
 use std::path::Path;
 
@@ -26,6 +27,11 @@ pub const RUNS: &[Run] = &[
         name: "readme/numbers",
         what: "the table of the README: speed and accuracy of the main job",
         run: numbers::run,
+    },
+    Run {
+        name: "sh-core/peers",
+        what: "speed of sh-core beside other libraries; started by benches/peers/run.sh [README]",
+        run: peers::run,
     },
     Run {
         name: "prt/error-against-rays",
