@@ -129,6 +129,7 @@ mod error;
 mod expansion;
 mod maps;
 mod order;
+mod product;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
@@ -148,6 +149,9 @@ pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
+#[cfg(feature = "alloc")]
+pub use product::{ProductMatrix, ProductTransform, TripleTensor, gaunt};
+pub use product::{product, product_many, product_matrix, square, triple_product};
 #[cfg(feature = "alloc")]
 pub use project::{project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
