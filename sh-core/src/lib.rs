@@ -107,6 +107,9 @@
 //! - **\[Slo08\]** P.-P. Sloan. *Stupid Spherical Harmonics (SH) Tricks.* Game Developers Conference, 2008.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
+//! - **\[RWS06\]** Z. Ren, R. Wang, J. Snyder, K. Zhou, X. Liu, B. Sun, P.-P. Sloan, H. Bao, Q. Peng, B. Guo. *Real-time
+//!   Soft Shadows in Dynamic Scenes using Spherical Harmonic Exponentiation.* ACM Transactions on Graphics 25(3)
+//!   (SIGGRAPH), 2006. <https://doi.org/10.1145/1179352.1141982>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
 
@@ -127,6 +130,7 @@ compile_error!("sh-core needs floating-point functions: enable its feature `std`
 mod basis;
 mod error;
 mod expansion;
+mod exponential;
 mod maps;
 mod order;
 mod product;
@@ -147,6 +151,9 @@ pub use basis::{BLOCK, Basis, BasisGradient};
 pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
+#[cfg(feature = "alloc")]
+pub use exponential::log;
+pub use exponential::{ExpOptions, ExpStart, exp};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]

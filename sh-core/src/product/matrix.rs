@@ -75,7 +75,12 @@ impl<T: Real> ProductMatrix<T> {
     /// If a slice length does not match the order.
     pub fn apply(&self, b: &[T], out: &mut [T]) {
         assert_lengths(self.order, [("b", b.len()), ("out", out.len())]);
-        dispatch(Apply { matrix: self, b, out });
+        dispatch(self.kernel(b, out));
+    }
+
+    /// The work of applying it.
+    pub(super) fn kernel<'a>(&'a self, b: &'a [T], out: &'a mut [T]) -> Apply<'a, T> {
+        Apply { matrix: self, b, out }
     }
 
     /// The products of the fixed factor with several expansions.
@@ -88,11 +93,12 @@ impl<T: Real> ProductMatrix<T> {
     pub fn apply_many(&self, b: &[T], out: &mut [T]) {
         assert_length("out", out.len() % self.order.coeff_count(), 0);
         assert_length("b", b.len(), out.len());
-        dispatch(Apply { matrix: self, b, out });
+        dispatch(self.kernel(b, out));
     }
 }
 
-struct Apply<'a, T> {
+/// One or more products with the matrix.
+pub(super) struct Apply<'a, T> {
     matrix: &'a ProductMatrix<T>,
     b: &'a [T],
     out: &'a mut [T],

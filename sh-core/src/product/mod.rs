@@ -248,3 +248,59 @@ pub(crate) fn assert_lengths<const COUNT: usize>(order: Order, slices: [(&str, u
         assert_length(what, given, order.coeff_count());
     }
 }
+
+#[cfg(all(test, feature = "alloc"))]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    extern crate std;
+
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::simd::{Level, run_at};
+
+    /// The best level is what tests of the public functions run; the others must agree.
+    fn levels_agree<T: Real>(tolerance: f64) {
+        for n in [3, 4, 5, 6, 7, 10, 17] {
+            let (order, count) = (Order::new(n).unwrap(), n * n);
+            let number = |i: usize| T::from_f64(Real::sin(1.7 * i as f64) / n as f64);
+            let [a, b]: [Vec<T>; 2] = [0, 1].map(|k| (0..count).map(|i| number(i + 40 * k)).collect());
+            let matrix = ProductMatrix::new(order, &a);
+            let mut expected = vec![T::ZERO; count];
+            TripleTensor::new(order).product(&a, &b, &mut expected);
+            for level in Level::available() {
+                for way in 0..3 {
+                    let mut out = vec![T::from_f64(f64::NAN); count];
+                    match (way, n) {
+                        (0, 3) => run_at(level, sampled::<T, 3, 9, 13, 16>(T::ORDER_3, &a, &b, &mut out)),
+                        (0, 4) => run_at(level, sampled::<T, 4, 16, 19, 32>(T::ORDER_4, &a, &b, &mut out)),
+                        (0, 5) => run_at(level, sampled::<T, 5, 36, 43, 48>(T::ORDER_6, &a, &b, &mut out)),
+                        (0, 6) => run_at(level, sampled::<T, 6, 36, 43, 48>(T::ORDER_6, &a, &b, &mut out)),
+                        (1, _) => run_at(level, matrix.kernel(&b, &mut out)),
+                        _ => run_at(level, ProductTransform::new(order).kernel([&a, &b], &mut out)),
+                    }
+                    let error = out.iter().zip(&expected).map(|(o, e)| (*o - *e).to_f64().abs());
+                    let worst = error.fold(0.0, |worst, e| if e > worst || e.is_nan() { e } else { worst });
+                    assert!(worst < tolerance, "n = {n}, {level:?}, {way}: {worst:e}");
+                }
+            }
+        }
+    }
+
+    fn sampled<'a, T: Real, const N: usize, const N2: usize, const PAIRS: usize, const ROOM: usize>(
+        samples: &'a octahedral::Samples<T, N2, PAIRS, ROOM>,
+        a: &'a [T],
+        b: &'a [T],
+        out: &'a mut [T],
+    ) -> Products<'a, T, N, N2, PAIRS, ROOM> {
+        Products { samples, a, b, out }
+    }
+
+    #[test]
+    fn all_registers_multiply_alike() {
+        // Factors of length below 1, against a sum over up to 10⁵ coefficients in the same precision.
+        levels_agree::<f32>(3e-7);
+        levels_agree::<f64>(2e-15);
+    }
+}

@@ -53,11 +53,8 @@ pub trait Sampled: Sized + 'static {
     const ORDER_6: &'static Samples6<Self>;
 }
 
-const SAMPLES_3: Samples3<f64> = samples(&points([
-    Orbit::Faces(1.0 / 21.0),
-    Orbit::Edges(4.0 / 105.0),
-    Orbit::Corners(9.0 / 280.0),
-]));
+const SAMPLES_3: Samples3<f64> =
+    samples(&points([Orbit::Faces(1.0 / 21.0), Orbit::Edges(4.0 / 105.0), Orbit::Corners(9.0 / 280.0)]));
 const SAMPLES_4: Samples4<f64> = samples(&points([
     Orbit::Faces(1.0 / 105.0),
     Orbit::Corners(9.0 / 280.0),

@@ -177,7 +177,12 @@ impl<T: Real> ProductTransform<T> {
         assert_length("a", a.len(), count_a);
         assert_length("b", b.len(), count_b);
         assert_length("out", out.len(), count);
-        dispatch(Multiply { transform: self, factors: [a, b], out });
+        dispatch(self.kernel([a, b], out));
+    }
+
+    /// The work of one product.
+    pub(super) fn kernel<'a>(&'a mut self, factors: [&'a [T]; 2], out: &'a mut [T]) -> Multiply<'a, T> {
+        Multiply { transform: self, factors, out }
     }
 
     /// Columns of the matrix of the product with `a`, written as rows.
@@ -192,7 +197,8 @@ impl<T: Real> ProductTransform<T> {
     }
 }
 
-struct Multiply<'a, T> {
+/// One product.
+pub(super) struct Multiply<'a, T> {
     transform: &'a mut ProductTransform<T>,
     factors: [&'a [T]; 2],
     out: &'a mut [T],
