@@ -201,6 +201,28 @@ fn the_matrix_is_symmetric_and_applies_the_product() {
     }
 }
 
+/// As many as fill some registers, and some more.
+fn batch_error<T: Real>(n: usize) -> f64 {
+    let count = n * n;
+    let [a, b]: [Vec<T>; 2] = [0, 1].map(|k| (0..37).flat_map(|d| rounded::<T>(&unit(n, 2 * d + k)).0).collect());
+    let mut out = vec![T::from_f64(f64::NAN); 37 * count];
+    product_many(order(n), &a, &b, &mut out);
+    let exact: Vec<[f64; 3]> = a.iter().zip(&b).zip(&out).map(|((a, b), o)| [a, b, o].map(|x| x.to_f64())).collect();
+    let errors = exact.chunks_exact(count).map(|vectors| {
+        let [a, b, out]: [Vec<f64>; 3] = [0, 1, 2].map(|which| vectors.iter().map(|v| v[which]).collect());
+        difference(&out, &multiplied(n, &a, &b))
+    });
+    errors.fold(0.0, |worst, e| if e > worst || e.is_nan() { e } else { worst })
+}
+
+#[test]
+fn batches_are_single_products() {
+    for n in 1..=7 {
+        assert_at_most(&format!("f32, n = {n}"), batch_error::<f32>(n), 2e-7);
+        assert_at_most(&format!("f64, n = {n}"), batch_error::<f64>(n), 1e-15);
+    }
+}
+
 #[test]
 fn extremes_have_an_answer() {
     for n in [1, 2, 3, 4, 6, 7, 12] {

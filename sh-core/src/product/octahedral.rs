@@ -240,9 +240,10 @@ mod tests {
     extern crate std;
 
     use std::vec;
+    use std::vec::Vec;
 
     use super::*;
-    use crate::{Order, eval};
+    use crate::{Order, Real, eval};
 
     /// The points of a table, from the values of band 1.
     fn check<const N2: usize, const PAIRS: usize, const ROOM: usize>(
@@ -251,8 +252,7 @@ mod tests {
     ) {
         let y_1 = Real::sqrt(3.0 / (4.0 * core::f64::consts::PI));
         let at = |i: usize, point: usize| samples.values[i].0[point];
-        let points: std::vec::Vec<[f64; 3]> =
-            (0..PAIRS).map(|k| [-at(3, k) / y_1, -at(1, k) / y_1, at(2, k) / y_1]).collect();
+        let points: Vec<[f64; 3]> = (0..PAIRS).map(|k| [-at(3, k) / y_1, -at(1, k) / y_1, at(2, k) / y_1]).collect();
         let n = N2.isqrt();
         for (point, &direction) in points.iter().enumerate() {
             let mut y = vec![0.0; N2];
@@ -275,8 +275,6 @@ mod tests {
             assert!((sum - exact).abs() < 2e-15, "{a} {b} {c}: {sum} {exact}");
         }
     }
-
-    use crate::Real;
 
     #[test]
     fn rules_are_exact_up_to_their_degree() {
