@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use blockers::{Blockers, Logarithms, Random, about, cap};
 use proptest::prelude::*;
-use sh_core::{ExpOptions, ExpStart, Order, Quadrature, dot, exp, log, project_function, reconstruct};
+use sh_core::{ExpOptions, ExpStart, Order, Quadrature, ShRotation, dot, exp, log, project_function, reconstruct};
 
 fn order(n: usize) -> Order {
     Order::new(n).unwrap()
@@ -313,5 +313,35 @@ proptest! {
             let expected: Vec<f64> = exp_of(n, &options, f).iter().map(|e| e * c.exp()).collect();
             prop_assert!(distance(&exp_of(n, &options, &raised), &expected) < 1e-13);
         }
+    }
+
+    /// Products commute with rotation, and lengths do not change: so does everything that is made of them.
+    #[test]
+    fn exponential_and_logarithm_commute_with_rotation(n in 1..7_usize, f in prop::collection::vec(-0.3..0.3_f64, 36), angle in 0.0..6.3_f64) {
+        // About the axis (0.6, 0.0, 0.8), by Rodrigues' formula.
+        let ([x, z], (s, c)) = ([0.6, 0.8], angle.sin_cos());
+        let (t, matrix) = (1.0 - c, |t: f64| [
+            [c + t * x * x, -s * z, t * x * z],
+            [s * z, c, -s * x],
+            [t * x * z, s * x, c + t * z * z],
+        ]);
+        let turn = ShRotation::new(order(n), matrix(t));
+        let rotated = |f: &[f64]| {
+            let mut out = vec![0.0; n * n];
+            turn.apply(f, &mut out);
+            out
+        };
+        let f = &f[..n * n];
+        for options in ALL {
+            prop_assert!(distance(&exp_of(n, &options, &rotated(f)), &rotated(&exp_of(n, &options, f))) < 1e-13);
+        }
+        let log_of = |f: &[f64]| {
+            let (mut f, mut out) = (f.to_vec(), vec![0.0; n * n]);
+            f[0] += 2.0;
+            log(order(n), &f, 0.1, &mut out);
+            out
+        };
+        // Eigenvalues next to the floor change by the rounding errors of the matrix over 0.1.
+        prop_assert!(distance(&log_of(&rotated(f)), &rotated(&log_of(f))) < 1e-12);
     }
 }
