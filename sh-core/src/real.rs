@@ -71,8 +71,10 @@ pub trait Real:
     fn atan2(self, x: Self) -> Self;
     /// `sqrt(self² + other²)` without overflow or underflow on the way.
     fn hypot(self, other: Self) -> Self;
-    /// `e^self`.
+    /// `e` to this power.
     fn exp(self) -> Self;
+    /// `exp(self) − 1` without cancellation near zero.
+    fn exp_m1(self) -> Self;
     /// Natural logarithm.
     fn ln(self) -> Self;
     /// Absolute value.
@@ -96,7 +98,8 @@ macro_rules! float {
 }
 
 macro_rules! impl_real {
-    ($float:ident, $sqrt:ident, $sin:ident, $cos:ident, $atan2:ident, $hypot:ident, $exp:ident, $ln:ident) => {
+    ($float:ident, $sqrt:ident, $sin:ident, $cos:ident, $atan2:ident, $hypot:ident,
+     $exp:ident, $exp_m1:ident, $ln:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -135,6 +138,10 @@ macro_rules! impl_real {
                 float!($float::exp, $exp, self)
             }
             #[inline]
+            fn exp_m1(self) -> Self {
+                float!($float::exp_m1, $exp_m1, self)
+            }
+            #[inline]
             fn ln(self) -> Self {
                 float!($float::ln, $ln, self)
             }
@@ -150,5 +157,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, sqrtf, sinf, cosf, atan2f, hypotf, expf, logf);
-impl_real!(f64, sqrt, sin, cos, atan2, hypot, exp, log);
+impl_real!(f32, sqrtf, sinf, cosf, atan2f, hypotf, expf, expm1f, logf);
+impl_real!(f64, sqrt, sin, cos, atan2, hypot, exp, expm1, log);

@@ -6,9 +6,11 @@ mod blockers;
 
 use std::f64::consts::PI;
 
-use blockers::{Blockers, Logarithms, Random, about, cap};
+use blockers::{ANGLE_STEP, Blockers, Logarithms, Random, about, cap};
 use proptest::prelude::*;
-use sh_core::{ExpOptions, ExpStart, Order, Quadrature, ShRotation, dot, exp, log, project_function, reconstruct};
+use sh_core::{
+    ExpOptions, ExpStart, Order, Quadrature, ShRotation, dot, eval, exp, fibonacci, log, project_function, reconstruct,
+};
 
 fn order(n: usize) -> Order {
     Order::new(n).unwrap()
@@ -39,6 +41,17 @@ fn series(degree: u32, longest: f64) -> ExpOptions {
     ExpOptions { start: ExpStart::ProductSeries(degree), longest }
 }
 
+/// The projection of the directions that no blocker hides, by 5000 samples.
+fn visibility(n: usize, blockers: &Blockers) -> Vec<f64> {
+    let hides = |(axis, angle): &([f64; 3], usize), s: [f64; 3]| dot(axis, &s) > (*angle as f64 * ANGLE_STEP).cos();
+    let (mut y, mut sum) = (vec![0.0; n * n], vec![0.0; n * n]);
+    for s in fibonacci(5000).into_iter().filter(|&s| !blockers.0.iter().any(|blocker| hides(blocker, s))) {
+        eval(order(n), s, &mut y);
+        sum.iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * 4.0 * PI / 5000.0);
+    }
+    sum
+}
+
 /// Mean errors over sets of blockers: against the limit, the projected exponential of the values, and the true visibility.
 fn blocker_errors(n: usize, options: &ExpOptions) -> [f64; 3] {
     let logarithms = Logarithms::new(order(n), 0.02);
@@ -49,7 +62,7 @@ fn blocker_errors(n: usize, options: &ExpOptions) -> [f64; 3] {
         let blockers = Blockers::random(count, &mut random);
         let f = blockers.logarithm(&logarithms);
         let found = exp_of(n, options, &f);
-        let truths = [exp_of(n, &LIMIT, &f), projected(n, &f, f64::exp), blockers.visibility(order(n), 5000)];
+        let truths = [exp_of(n, &LIMIT, &f), projected(n, &f, f64::exp), visibility(n, &blockers)];
         sums.iter_mut().zip(truths).for_each(|(sum, truth)| *sum += distance(&found, &truth));
     }
     sums.map(|sum| sum / counts.len() as f64)

@@ -27,6 +27,8 @@ use crate::{Order, Real, dot};
 #[cfg(feature = "alloc")]
 pub use batch::BLOCK;
 #[cfg(feature = "alloc")]
+pub(crate) use batch::Groups;
+#[cfg(feature = "alloc")]
 pub use gradient::BasisGradient;
 pub use gradient::{eval_gradient, eval_hessian};
 use recurrence::Computed;
@@ -37,7 +39,7 @@ use recurrence::Tabled;
 ///
 /// Not a closure: `put` has to be inlined wherever it is called, hundreds of times in one kernel, to be compiled with the
 /// CPU features of the kernel.
-trait Sink<V> {
+pub(crate) trait Sink<V> {
     /// Takes `y_i`.
     fn put(&mut self, i: usize, value: V);
 }
@@ -62,12 +64,12 @@ impl<V> Sink<V> for Values<'_, V> {
 /// Straight-line kernels for n ≤ 10, recurrences beyond; does not allocate. For many directions at n > 10, [`Basis`] keeps
 /// the factors of the recurrence and is three to five times faster.
 ///
-/// Accuracy, absolute, at every direction: in `f32` 4e-7 for n ≤ 6, 8e-7 for n ≤ 10, 5e-6 for n ≤ 65, 1e-5 beyond; in `f64`
-/// 2e-15 for n ≤ 10 and 1e-13 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
+/// Accuracy, absolute, at every direction: in `f32` 4e-7 for n ≤ 6, 8e-7 for n ≤ 10, 4e-6 for n ≤ 65, 6e-6 beyond; in `f64`
+/// 2e-15 for n ≤ 10 and 5e-14 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
 ///
-/// The direction is not normalised. Of another length than 1 the result is that of some polynomials in `x, y, z` which are
-/// the harmonics on the unit sphere only: finite for the zero vector, infinite or NaN where the input is. There is no
-/// panic.
+/// The direction is not normalised, but that its length is rounded does no harm. Of quite another length than 1 the result
+/// is that of some polynomials in `x, y, z` which are the harmonics on the unit sphere only: finite for the zero vector,
+/// infinite or NaN where the input is. There is no panic.
 ///
 /// ```
 /// let mut y = [0.0_f64; 4];

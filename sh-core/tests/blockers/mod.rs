@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use sh_core::{Order, eval, expand_zonal, fibonacci, log};
+use sh_core::{Order, expand_zonal, log};
 
 /// Numbers in 0..1; the same for the same seed.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ pub(crate) fn about(order: Order, zonal: &[f64], axis: [f64; 3]) -> Vec<f64> {
 }
 
 /// Half angles for which logarithms are made, from 2 degrees up.
-const ANGLE_STEP: f64 = PI / 90.0;
+pub(crate) const ANGLE_STEP: f64 = PI / 90.0;
 
 /// Logarithms of caps, as zonal coefficients.
 #[derive(Debug)]
@@ -72,9 +72,9 @@ impl Logarithms {
     }
 }
 
-/// Some blockers: their axes and half angles.
+/// Some blockers: their axes, and half angles in steps of [`ANGLE_STEP`].
 #[derive(Debug)]
-pub(crate) struct Blockers(Vec<([f64; 3], usize)>);
+pub(crate) struct Blockers(pub(crate) Vec<([f64; 3], usize)>);
 
 impl Blockers {
     /// Half angles of 8° to 38°, in steps of 2°.
@@ -88,21 +88,6 @@ impl Blockers {
         for &(axis, angle) in &self.0 {
             let one = about(logarithms.order, &logarithms.zonal[angle - 1], axis);
             sum.iter_mut().zip(one).for_each(|(sum, f)| *sum += f);
-        }
-        sum
-    }
-
-    /// The projection of the directions that no blocker hides, by so many samples.
-    pub(crate) fn visibility(&self, order: Order, samples: usize) -> Vec<f64> {
-        let (mut y, mut sum) = (vec![0.0; order.coeff_count()], vec![0.0; order.coeff_count()]);
-        for s in fibonacci(samples) {
-            let hides = |(axis, angle): &([f64; 3], usize)| {
-                axis.iter().zip(s).map(|(a, s)| a * s).sum::<f64>() > (*angle as f64 * ANGLE_STEP).cos()
-            };
-            if !self.0.iter().any(hides) {
-                eval(order, s, &mut y);
-                sum.iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * 4.0 * PI / samples as f64);
-            }
         }
         sum
     }
