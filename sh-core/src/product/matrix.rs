@@ -10,8 +10,9 @@ use crate::{Order, Real};
 
 /// The product with a fixed expansion, as a symmetric matrix: built once, applied to many.
 ///
-/// It multiplies `n⁴` numbers per vector. With one factor fixed that is faster than [`product_many`](crate::product_many) up
-/// to n = 6 at least; measured beside it by `cargo bench -p prt-benches --bench sh_core_product`.
+/// It multiplies `n⁴` numbers per vector. Measured per vector by `cargo bench -p prt-benches --bench sh_core_product`: for
+/// n = 4 to 16 it is faster than [`product`](crate::product()), most at n = 10, by a factor of 6; for n = 3 and 4 batches by
+/// [`product_many`](crate::product_many) are faster still.
 ///
 /// ```
 /// use sh_core::{Order, ProductMatrix, product};

@@ -26,8 +26,8 @@ const WIDEST: usize = 16;
 
 /// Multiplies expansions of any order: tables and scratch memory for three given orders.
 ///
-/// For factors of the orders `n_a`, `n_b` and a result of order `n` it takes about `3 n³` multiplications per vector: for
-/// n = 10 less than 1 µs in `f32`, see the README. The result is exact but for rounding, also where it is truncated.
+/// About `16 n³` multiplications for three equal orders, in registers: 1.5 µs for n = 10 in `f32`, 24 µs for n = 32, measured
+/// by `cargo bench -p prt-benches --bench sh_core_product`. The result is exact but for rounding, also where it is truncated.
 ///
 /// Accuracy, absolute, for factors of unit length: 1e-7 in `f32` and 1e-15 in `f64` to n = 24, asserted by `tests/product.rs`.
 ///
