@@ -93,8 +93,8 @@ pub fn product<T: Real>(order: Order, a: &[T], b: &[T], out: &mut [T]) {
 /// - `out`: `[D, n²]`, overwritten
 ///
 /// For n = 3 to 5 there is one pair of factors in each lane of a register, with the Gaunt coefficients written out: two to five
-/// times faster than one by one. Does not allocate for n ≤ 6; beyond, once for all. If one factor is the same in all and n > 4,
-/// [`ProductMatrix::apply_many`] is as fast or faster.
+/// times faster than one by one. Does not allocate for n ≤ 6; beyond, once for all. If one factor is the same in all and n > 3,
+/// [`ProductMatrix::apply_many`] is faster.
 ///
 /// # Panics
 /// If `out` is not whole vectors, or another slice has not its length. Without the feature `alloc`, if n > 6.
