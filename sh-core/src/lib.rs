@@ -139,6 +139,9 @@
 //!   <https://doi.org/10.1017/CBO9781316036587>.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
+//! - **\[RWS06\]** Z. Ren, R. Wang, J. Snyder, K. Zhou, X. Liu, B. Sun, P.-P. Sloan, H. Bao, Q. Peng, B. Guo. *Real-time
+//!   Soft Shadows in Dynamic Scenes using Spherical Harmonic Exponentiation.* ACM Transactions on Graphics 25(3)
+//!   (SIGGRAPH), 2006. <https://doi.org/10.1145/1179352.1141982>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
 //! - **\[DLMF\]** *NIST Digital Library of Mathematical Functions.* <https://dlmf.nist.gov>.
@@ -177,6 +180,7 @@ mod convention;
 mod direction;
 mod error;
 mod expansion;
+mod exponential;
 mod extract;
 #[cfg(feature = "glam")]
 mod glam;
@@ -185,6 +189,7 @@ mod maps;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
 mod order;
+mod product;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
@@ -213,6 +218,9 @@ pub use convention::{y_up_from_z_up, z_up_from_y_up};
 pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
 #[cfg(feature = "alloc")]
+pub use exponential::log;
+pub use exponential::{ExpOptions, ExpStart, exp};
+#[cfg(feature = "alloc")]
 pub use extract::irradiance;
 pub use extract::{
     DominantLight, band_energy, dominant_direction, dominant_light, irradiance_from_radiance, irradiance_matrices,
@@ -225,6 +233,9 @@ pub use light::{
 };
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
+#[cfg(feature = "alloc")]
+pub use product::{ProductMatrix, ProductTransform, TripleTensor, gaunt};
+pub use product::{product, product_many, product_matrix, square, triple_product};
 #[cfg(feature = "alloc")]
 pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;

@@ -2,6 +2,7 @@
 
 mod error_against_order;
 mod error_against_rays;
+mod exponential;
 mod numbers;
 mod peers;
 
@@ -42,6 +43,11 @@ pub const RUNS: &[Run] = &[
         name: "prt/error-against-order",
         what: "share of the light of an environment that transfer of order 1 to 10 misses [MESH]",
         run: error_against_order::run,
+    },
+    Run {
+        name: "sh/exponential",
+        what: "error and time of the exponential of expansions, by method and order, for sets of blockers",
+        run: exponential::run,
     },
 ];
 
