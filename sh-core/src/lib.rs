@@ -131,7 +131,6 @@ mod order;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
-#[cfg(feature = "alloc")]
 mod rotation;
 mod simd;
 #[cfg(feature = "alloc")]
@@ -150,7 +149,8 @@ pub use order::{Order, index};
 pub use project::{project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
-pub use rotation::ShRotation;
+pub use rotation::{ShRotation, Zxzxz};
+pub use rotation::{Zyz, rotate, rotate_quaternion, rotate_z, rotate_zyz};
 #[cfg(feature = "alloc")]
 pub use sphere::{Quadrature, fibonacci};
 pub use vector::{dot, scale_bands};

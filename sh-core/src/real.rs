@@ -6,7 +6,7 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 mod sealed {
     /// Closes [`Real`](super::Real), and holds what only this crate needs to know of a scalar.
-    pub trait Sealed: crate::simd::Registers {
+    pub trait Sealed: crate::simd::Registers + crate::rotation::Quads {
         /// Largest order that the recurrence evaluates in this type; above it, it works in `f64` and rounds.
         ///
         /// Near a pole the recurrence multiplies the tiny `sin^m theta` by factors of up to `10^(0.21 n)`. Both must fit

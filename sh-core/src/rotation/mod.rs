@@ -1,7 +1,28 @@
 //! Rotation of expansions.
 
+mod about_z;
+#[cfg(feature = "alloc")]
 mod exact;
+mod exchange;
+#[cfg(feature = "alloc")]
 mod ivanic;
+#[cfg(feature = "alloc")]
+mod many;
+mod quad;
+#[cfg(feature = "alloc")]
+mod tables;
+mod turn;
+mod unrolled;
+mod zxzxz;
+mod zyz;
 
+pub use about_z::rotate_z;
+#[cfg(feature = "alloc")]
 pub use exact::ShRotation;
+#[cfg(feature = "alloc")]
 pub(crate) use exact::rotate_channels;
+pub use quad::Quads;
+#[cfg(feature = "alloc")]
+pub use tables::Zxzxz;
+pub use zxzxz::{rotate, rotate_quaternion, rotate_zyz};
+pub use zyz::Zyz;

@@ -1,0 +1,220 @@
+//! One rotation of many expansions: as many of them at once as a register has lanes.
+
+use core::ops::Range;
+
+use super::exact::multiply;
+use crate::simd::{Kernel, Lanes};
+use crate::{Order, Real};
+
+/// Rows of a band that are summed side by side: with as many, a sum hides the latency of the next.
+const MOST_ROWS: usize = 7;
+
+/// Where the vectors are.
+#[derive(Debug)]
+pub(super) enum Vectors<'a, T> {
+    /// Read here, written there.
+    Copied(&'a [T], &'a mut [T]),
+    InPlace(&'a mut [T]),
+}
+
+impl<T: Real> Vectors<'_, T> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        match self {
+            Self::Copied(coeffs, _) => coeffs.len(),
+            Self::InPlace(coeffs) => coeffs.len(),
+        }
+    }
+
+    #[inline(always)]
+    fn source(&self) -> &[T] {
+        match self {
+            Self::Copied(coeffs, _) => coeffs,
+            Self::InPlace(coeffs) => coeffs,
+        }
+    }
+
+    #[inline(always)]
+    fn target(&mut self) -> &mut [T] {
+        match self {
+            Self::Copied(_, out) => out,
+            Self::InPlace(coeffs) => coeffs,
+        }
+    }
+}
+
+/// `[V, n²]` times the matrices of all bands.
+#[derive(Debug)]
+pub(super) struct Many<'a, T> {
+    pub(super) order: Order,
+    /// Band after band, `[2l+1, 2l+1]`, row-major.
+    pub(super) matrices: &'a [T],
+    pub(super) vectors: Vectors<'a, T>,
+}
+
+impl<T: Real> Kernel<T> for Many<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes<T>>(mut self) {
+        let done = match self.order.get() {
+            2 => self.rotate_blocks::<V, 4, 16>(),
+            3 => self.rotate_blocks::<V, 9, 16>(),
+            4 => self.rotate_blocks::<V, 16, 16>(),
+            5 => self.rotate_blocks::<V, 25, 25>(),
+            6 => self.rotate_blocks::<V, 36, 36>(),
+            7 => self.rotate_blocks::<V, 49, 49>(),
+            8 => self.rotate_blocks::<V, 64, 64>(),
+            9 => self.rotate_blocks::<V, 81, 81>(),
+            10 => self.rotate_blocks::<V, 100, 100>(),
+            _ => 0,
+        };
+        let count = self.order.coeff_count();
+        for vector in done..self.vectors.len() / count {
+            self.rotate_one(vector * count..(vector + 1) * count);
+        }
+    }
+}
+
+impl<T: Real> Many<'_, T> {
+    /// A vector for every lane, while there are as many; `N2 = n²`, `ROOM` is at least that and the number of lanes. Returns
+    /// how many are done.
+    #[inline(always)]
+    fn rotate_blocks<V: Lanes<T>, const N2: usize, const ROOM: usize>(&mut self) -> usize {
+        let blocks = self.vectors.len() / (N2 * V::WIDTH);
+        let mut rows = [V::splat(T::ZERO); ROOM];
+        for block in 0..blocks {
+            let start = block * V::WIDTH * N2;
+            let loaded = load(&self.vectors.source()[start..], N2, &mut rows);
+            rotate_lanes::<T, V, N2>(self.matrices, &mut rows);
+            store(&rows[..loaded], N2, &mut self.vectors.target()[start..]);
+        }
+        blocks * V::WIDTH
+    }
+
+    /// The plain twin, for any order.
+    #[inline(always)]
+    fn rotate_one(&mut self, vector: Range<usize>) {
+        let mut rest = self.matrices;
+        for (_, band) in self.order.bands() {
+            let (matrix, following) = rest.split_at(band.len() * band.len());
+            rest = following;
+            let range = vector.start + band.start..vector.start + band.end;
+            match &mut self.vectors {
+                Vectors::Copied(coeffs, out) => multiply(matrix, &coeffs[range.clone()], &mut out[range]),
+                Vectors::InPlace(coeffs) => multiply_in_place(matrix, &mut coeffs[range]),
+            }
+        }
+    }
+}
+
+fn multiply_in_place<T: Real>(matrix: &[T], vector: &mut [T]) {
+    let mut copy = [T::ZERO; 2 * Order::MAX - 1];
+    let copy = &mut copy[..vector.len()];
+    copy.copy_from_slice(vector);
+    multiply(matrix, copy, vector);
+}
+
+/// Transposes whole squares where it can: the last may overlap the one before, or, of short vectors, take in the beginning
+/// of the next vector. Returns the number of rows to store.
+#[inline(always)]
+fn load<T: Real, V: Lanes<T>>(values: &[T], count: usize, rows: &mut [V]) -> usize {
+    let whole = count / V::WIDTH * V::WIDTH;
+    if whole == 0 && rows.len() >= V::WIDTH && values.len() >= (V::WIDTH - 1) * count + V::WIDTH {
+        V::load_transposed(&mut rows[..V::WIDTH], count, values);
+        return V::WIDTH;
+    }
+    if whole == 0 {
+        V::load_transposed(&mut rows[..count], count, values);
+        return count;
+    }
+    V::load_transposed(&mut rows[..whole], count, values);
+    if whole < count {
+        V::load_transposed(&mut rows[count - V::WIDTH..count], count, &values[count - V::WIDTH..]);
+    }
+    count
+}
+
+/// The inverse. What was taken in of the next vector is written back unchanged, before that vector's own turn.
+#[inline(always)]
+fn store<T: Real, V: Lanes<T>>(rows: &[V], count: usize, out: &mut [T]) {
+    let whole = count / V::WIDTH * V::WIDTH;
+    if whole == 0 {
+        return V::store_transposed(rows, count, out);
+    }
+    V::store_transposed(&rows[..whole], count, out);
+    if whole < count {
+        V::store_transposed(&rows[count - V::WIDTH..count], count, &mut out[count - V::WIDTH..]);
+    }
+}
+
+/// All bands of order n, `N2 = n²`, in every lane.
+#[inline(always)]
+fn rotate_lanes<T: Real, V: Lanes<T>, const N2: usize>(matrices: &[T], rows: &mut [V]) {
+    let mut rest = &matrices[1..];
+    macro_rules! band {
+        ($l:literal) => {
+            if N2 > $l * $l {
+                const SIZE: usize = 2 * $l + 1;
+                let (matrix, following) = rest.split_at(SIZE * SIZE);
+                multiply_lanes::<T, V, SIZE>(matrix, &mut rows[$l * $l..($l + 1) * ($l + 1)]);
+                rest = following;
+            }
+        };
+    }
+    band!(1);
+    band!(2);
+    band!(3);
+    band!(4);
+    band!(5);
+    band!(6);
+    band!(7);
+    band!(8);
+    band!(9);
+    debug_assert!(rest.is_empty(), "a matrix for every band");
+}
+
+/// `band ← matrix · band` in every lane, in groups of rows that share the loads of the band and leave room in 16 registers.
+#[inline(always)]
+fn multiply_lanes<T: Real, V: Lanes<T>, const SIZE: usize>(matrix: &[T], band: &mut [V]) {
+    let mut copy = [V::splat(T::ZERO); SIZE];
+    copy.copy_from_slice(band);
+    let (mut matrix, mut out) = (matrix, band);
+    loop {
+        let groups = out.len().div_ceil(MOST_ROWS);
+        let rows = out.len().div_ceil(groups);
+        let (matrix_rows, matrix_rest) = matrix.split_at(rows * SIZE);
+        let (out_rows, out_rest) = out.split_at_mut(rows);
+        match rows {
+            3 => multiply_rows::<T, V, SIZE, 3>(matrix_rows, &copy, out_rows),
+            4 => multiply_rows::<T, V, SIZE, 4>(matrix_rows, &copy, out_rows),
+            5 => multiply_rows::<T, V, SIZE, 5>(matrix_rows, &copy, out_rows),
+            6 => multiply_rows::<T, V, SIZE, 6>(matrix_rows, &copy, out_rows),
+            _ => multiply_rows::<T, V, SIZE, 7>(matrix_rows, &copy, out_rows),
+        }
+        if out_rest.is_empty() {
+            return;
+        }
+        (matrix, out) = (matrix_rest, out_rest);
+    }
+}
+
+/// `R` rows of a matrix.
+#[inline(always)]
+fn multiply_rows<T: Real, V: Lanes<T>, const SIZE: usize, const R: usize>(
+    matrix: &[T],
+    band: &[V; SIZE],
+    out: &mut [V],
+) {
+    let matrix = &matrix[..R * SIZE];
+    let mut sums = [V::splat(T::ZERO); R];
+    for r in 0..R {
+        sums[r] = V::splat(matrix[r * SIZE]) * band[0];
+    }
+    for j in 1..SIZE {
+        for r in 0..R {
+            sums[r] = V::splat(matrix[r * SIZE + j]).mul_add(band[j], sums[r]);
+        }
+    }
+    out.copy_from_slice(&sums);
+}
