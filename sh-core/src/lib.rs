@@ -126,6 +126,7 @@ compile_error!("sh-core needs floating-point functions: enable its feature `std`
 
 mod basis;
 mod error;
+mod expansion;
 mod maps;
 mod order;
 #[cfg(feature = "alloc")]
@@ -140,13 +141,14 @@ mod window;
 mod zonal;
 
 #[cfg(feature = "alloc")]
-pub use basis::Basis;
-pub use basis::{eval, reconstruct};
+pub use basis::{BLOCK, Basis, BasisGradient};
+pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use error::Error;
+pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
-pub use project::{project_cube, project_function, project_lat_long, reconstruct_lat_long};
+pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::{ShRotation, Zxzxz};

@@ -13,12 +13,16 @@ mod sealed {
         /// the range of the type without losing a value that matters: `10^(0.21·128) · 1e-38 < 1e-11` in `f32`, and
         /// `10^(0.21·512) · 1e-308 < 1e-200` in `f64`.
         const NATIVE_ORDER: usize;
+        /// `2^k + 1` with half of the digits of the mantissa: splits a number into two halves whose products are exact.
+        const SPLIT: Self;
     }
     impl Sealed for f32 {
         const NATIVE_ORDER: usize = 128;
+        const SPLIT: Self = 4097.0;
     }
     impl Sealed for f64 {
         const NATIVE_ORDER: usize = crate::Order::MAX;
+        const SPLIT: Self = 134_217_729.0;
     }
 }
 

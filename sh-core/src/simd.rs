@@ -303,6 +303,116 @@ mod x86 {
         type Avx512 = F64x8;
     }
 
+    /// Rows beyond whole squares, number by number.
+    mod narrow {
+        use super::super::Lanes;
+
+        /// Room for the lanes of a register.
+        const LANES: usize = 8;
+
+        #[inline(always)]
+        pub(super) fn store<T: crate::Real, V: Lanes<T>>(rows: &[V], stride: usize, out: &mut [T]) {
+            for (j, row) in rows.iter().enumerate() {
+                let mut lanes = [T::ZERO; LANES];
+                row.store(&mut lanes);
+                for (d, &lane) in lanes[..V::WIDTH].iter().enumerate() {
+                    out[d * stride + j] = lane;
+                }
+            }
+        }
+
+        #[inline(always)]
+        pub(super) fn load<T: crate::Real, V: Lanes<T>>(rows: &mut [V], stride: usize, values: &[T]) {
+            for (j, row) in rows.iter_mut().enumerate() {
+                let mut lanes = [T::ZERO; LANES];
+                for (d, lane) in lanes[..V::WIDTH].iter_mut().enumerate() {
+                    *lane = values[d * stride + j];
+                }
+                *row = V::load(&lanes);
+            }
+        }
+    }
+
+    /// Rows beyond whole squares, as two halves of half the width: their squares are smaller.
+    macro_rules! wide {
+        ($module:ident, $whole:ident, $half:ident, $scalar:ident, $width:literal, $split:path, $join:path) => {
+            mod $module {
+                use super::super::Lanes;
+                use super::*;
+
+                #[inline(always)]
+                pub(super) fn store(rows: &[$whole], stride: usize, out: &mut [$scalar]) {
+                    if rows.is_empty() {
+                        return;
+                    }
+                    let mut halves = [[$half::splat(0.0); 2 * $width]; 2];
+                    for (j, row) in rows.iter().enumerate() {
+                        // SAFETY: the feature is there, see the head of the module.
+                        let [low, high] = unsafe { $split(row.0) };
+                        (halves[0][j], halves[1][j]) = ($half(low), $half(high));
+                    }
+                    for (half, rows_of_half) in halves.iter().enumerate() {
+                        $half::store_transposed(
+                            &rows_of_half[..rows.len()],
+                            stride,
+                            &mut out[half * $width * stride..],
+                        );
+                    }
+                }
+
+                #[inline(always)]
+                pub(super) fn load(rows: &mut [$whole], stride: usize, values: &[$scalar]) {
+                    if rows.is_empty() {
+                        return;
+                    }
+                    let mut halves = [[$half::splat(0.0); 2 * $width]; 2];
+                    for (half, rows_of_half) in halves.iter_mut().enumerate() {
+                        $half::load_transposed(
+                            &mut rows_of_half[..rows.len()],
+                            stride,
+                            &values[half * $width * stride..],
+                        );
+                    }
+                    for (j, row) in rows.iter_mut().enumerate() {
+                        // SAFETY: the feature is there, see the head of the module.
+                        row.0 = unsafe { $join(halves[0][j].0, halves[1][j].0) };
+                    }
+                }
+            }
+        };
+    }
+
+    wide!(wide_f32, F32x16, F32x8, f32, 8, split_f32x16, join_f32x16);
+    wide!(wide_f64, F64x8, F64x4, f64, 4, split_f64x8, join_f64x8);
+
+    #[inline]
+    #[target_feature(enable = "avx2,avx512f")]
+    fn split_f32x16(a: __m512) -> [__m256; 2] {
+        let a = _mm512_castps_pd(a);
+        [_mm512_castpd512_pd256(a), _mm512_extractf64x4_pd::<1>(a)].map(|half| _mm256_castpd_ps(half))
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2,avx512f")]
+    fn join_f32x16(low: __m256, high: __m256) -> __m512 {
+        _mm512_castpd_ps(join_f64x8(_mm256_castps_pd(low), _mm256_castps_pd(high)))
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2,avx512f")]
+    fn split_f64x8(a: __m512d) -> [__m256d; 2] {
+        [_mm512_castpd512_pd256(a), _mm512_extractf64x4_pd::<1>(a)]
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2,avx512f")]
+    fn join_f64x8(low: __m256d, high: __m256d) -> __m512d {
+        _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high)
+    }
+
+    /// Rows beyond whole squares that are worth no square more.
+    const FEW_ROWS: usize = 1;
+
     macro_rules! operator {
         ($name:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
             impl $trait for $name {
@@ -316,10 +426,11 @@ mod x86 {
         };
     }
 
-    /// A register type with its intrinsics. `$block` is the number of rows that `$transpose` turns at once.
+    /// A register type with its intrinsics.
     macro_rules! register {
         ($name:ident, $scalar:ident, $register:ident, $width:literal, $set1:ident, $load:ident, $store:ident, $add:ident,
-         $sub:ident, $mul:ident, $fma:ident, $div:ident, $sqrt:ident, $select:path, $directions:path, $transpose:path) => {
+         $sub:ident, $mul:ident, $fma:ident, $div:ident, $sqrt:ident, $select:path, $directions:path, $transpose:path,
+         $rest:ident) => {
             #[doc = concat!(stringify!($width), " numbers of type `", stringify!($scalar), "`.")]
             #[derive(Clone, Copy, Debug)]
             pub struct $name($register);
@@ -347,6 +458,25 @@ mod x86 {
                 fn to_array(self, out: &mut [$scalar; $width]) {
                     // SAFETY: the array is as long as the register; the feature is there.
                     unsafe { $store(out.as_mut_ptr(), self.0) }
+                }
+
+                /// The first rows, as many as there are lanes.
+                #[inline(always)]
+                fn store_square(rows: &[Self], stride: usize, out: &mut [$scalar]) {
+                    let rows = rows.first_chunk::<$width>().expect("a square");
+                    // SAFETY: the feature is there, see the head of the module.
+                    let columns = unsafe { $transpose(rows.map(|row| row.0)) };
+                    for (d, column) in columns.into_iter().enumerate() {
+                        Self(column).store(&mut out[d * stride..]);
+                    }
+                }
+
+                #[inline(always)]
+                fn load_square(rows: &mut [Self], stride: usize, values: &[$scalar]) {
+                    let columns: [_; $width] = core::array::from_fn(|d| Self::load(&values[d * stride..]).0);
+                    let rows = rows.first_chunk_mut::<$width>().expect("a square");
+                    // SAFETY: the feature is there, see the head of the module.
+                    *rows = unsafe { $transpose(columns) }.map(Self);
                 }
             }
 
@@ -394,37 +524,32 @@ mod x86 {
                 }
                 #[inline(always)]
                 fn store_transposed(rows: &[Self], stride: usize, out: &mut [$scalar]) {
-                    let (blocks, rest) = rows.as_chunks::<$width>();
-                    for (block, rows) in blocks.iter().enumerate() {
-                        // SAFETY: the feature is there, see the head of the module.
-                        let columns = unsafe { $transpose(rows.map(|row| row.0)) };
-                        for (d, column) in columns.into_iter().enumerate() {
-                            Self(column).store(&mut out[d * stride + block * $width..]);
-                        }
+                    let mut done = 0;
+                    while rows.len() - done >= $width {
+                        Self::store_square(&rows[done..], stride, &mut out[done..]);
+                        done += $width;
                     }
-                    let done = blocks.len() * $width;
-                    for (j, row) in rest.iter().enumerate() {
-                        let mut lanes = [0.0; $width];
-                        row.to_array(&mut lanes);
-                        for (d, lane) in lanes.into_iter().enumerate() {
-                            out[d * stride + done + j] = lane;
-                        }
+                    // A few rows are written number by number, more of them once more together with some before them.
+                    if rows.len() - done > FEW_ROWS && rows.len() >= $width {
+                        done = rows.len() - $width;
+                        Self::store_square(&rows[done..], stride, &mut out[done..]);
+                        done = rows.len();
                     }
+                    $rest::store(&rows[done..], stride, &mut out[done..]);
                 }
                 #[inline(always)]
                 fn load_transposed(rows: &mut [Self], stride: usize, values: &[$scalar]) {
-                    let (blocks, rest) = rows.as_chunks_mut::<$width>();
-                    let done = blocks.len() * $width;
-                    for (block, rows) in blocks.iter_mut().enumerate() {
-                        let columns: [_; $width] =
-                            core::array::from_fn(|d| Self::load(&values[d * stride + block * $width..]).0);
-                        // SAFETY: the feature is there, see the head of the module.
-                        *rows = unsafe { $transpose(columns) }.map(Self);
+                    let mut done = 0;
+                    while rows.len() - done >= $width {
+                        Self::load_square(&mut rows[done..], stride, &values[done..]);
+                        done += $width;
                     }
-                    for (j, row) in rest.iter_mut().enumerate() {
-                        let lanes: [$scalar; $width] = core::array::from_fn(|d| values[d * stride + done + j]);
-                        *row = Self::from_array(&lanes);
+                    if rows.len() - done > FEW_ROWS && rows.len() >= $width {
+                        done = rows.len() - $width;
+                        Self::load_square(&mut rows[done..], stride, &values[done..]);
+                        done = rows.len();
                     }
+                    $rest::load(&mut rows[done..], stride, &values[done..]);
                 }
             }
         };
@@ -446,7 +571,8 @@ mod x86 {
         _mm256_sqrt_ps,
         select_f32x8,
         directions_f32x8,
-        transpose_f32x8
+        transpose_f32x8,
+        narrow
     );
     register!(
         F64x4,
@@ -464,7 +590,8 @@ mod x86 {
         _mm256_sqrt_pd,
         select_f64x4,
         directions_f64x4,
-        transpose_f64x4
+        transpose_f64x4,
+        narrow
     );
     register!(
         F32x16,
@@ -482,7 +609,8 @@ mod x86 {
         _mm512_sqrt_ps,
         select_f32x16,
         directions_f32x16,
-        transpose_f32x16
+        transpose_f32x16,
+        wide_f32
     );
     register!(
         F64x8,
@@ -500,7 +628,8 @@ mod x86 {
         _mm512_sqrt_pd,
         select_f64x8,
         directions_f64x8,
-        transpose_f64x8
+        transpose_f64x8,
+        wide_f64
     );
 
     #[inline]
@@ -555,18 +684,41 @@ mod x86 {
         let numbers = directions.as_flattened();
         // SAFETY: 48 numbers are three registers.
         let [a, b, c] = [0, 1, 2].map(|k| unsafe { _mm512_loadu_ps(numbers[16 * k..16 * k + 16].as_ptr()) });
-        // Component k of direction d is number 3d + k: the first 32 numbers by one permutation, the rest by a second.
-        let pick = |k: i32| -> __m512 {
-            let index = core::array::from_fn::<i32, 16, _>(|d| 3 * d as i32 + k);
-            let near = index.map(|i| i.min(31));
-            // In the second one, indices 0..16 keep the lane and 16.. read `c`.
-            let far: [i32; 16] = core::array::from_fn(|d| if index[d] < 32 { d as i32 } else { 16 + index[d] - 32 });
+        let pick = |[near, far]: &[[i32; 16]; 2]| -> __m512 {
             // SAFETY: 16 indices each.
             let (near, far) = unsafe { (_mm512_loadu_epi32(near.as_ptr()), _mm512_loadu_epi32(far.as_ptr())) };
             _mm512_permutex2var_ps(_mm512_permutex2var_ps(a, near, b), far, c)
         };
-        [pick(0), pick(1), pick(2)]
+        [pick(&PICK_F32[0]), pick(&PICK_F32[1]), pick(&PICK_F32[2])]
     }
+
+    /// For each component the indices of two permutations: from the first two registers of numbers, and of their result with
+    /// the third. Component `k` of direction `d` is number `3d + k`.
+    const PICK_F32: [[[i32; 16]; 2]; 3] = {
+        let mut picks = [[[0; 16]; 2]; 3];
+        let mut at = 0;
+        while at < 48 {
+            let (d, k) = (at / 3, at % 3);
+            picks[k][0][d] = if at < 32 { at as i32 } else { 0 };
+            // Indices below 16 keep the lane of the first result, those above read the third register.
+            picks[k][1][d] = if at < 32 { d as i32 } else { 16 + at as i32 - 32 };
+            at += 1;
+        }
+        picks
+    };
+
+    /// The same for eight directions.
+    const PICK_F64: [[[i64; 8]; 2]; 3] = {
+        let mut picks = [[[0; 8]; 2]; 3];
+        let mut at = 0;
+        while at < 24 {
+            let (d, k) = (at / 3, at % 3);
+            picks[k][0][d] = if at < 16 { at as i64 } else { 0 };
+            picks[k][1][d] = if at < 16 { d as i64 } else { 8 + at as i64 - 16 };
+            at += 1;
+        }
+        picks
+    };
 
     #[inline]
     #[target_feature(enable = "avx2")]
@@ -590,15 +742,12 @@ mod x86 {
         let numbers = directions.as_flattened();
         // SAFETY: 24 numbers are three registers.
         let [a, b, c] = [0, 1, 2].map(|k| unsafe { _mm512_loadu_pd(numbers[8 * k..8 * k + 8].as_ptr()) });
-        let pick = |k: i64| -> __m512d {
-            let index = core::array::from_fn::<i64, 8, _>(|d| 3 * d as i64 + k);
-            let near = index.map(|i| i.min(15));
-            let far: [i64; 8] = core::array::from_fn(|d| if index[d] < 16 { d as i64 } else { 8 + index[d] - 16 });
+        let pick = |[near, far]: &[[i64; 8]; 2]| -> __m512d {
             // SAFETY: 8 indices each.
             let (near, far) = unsafe { (_mm512_loadu_epi64(near.as_ptr()), _mm512_loadu_epi64(far.as_ptr())) };
             _mm512_permutex2var_pd(_mm512_permutex2var_pd(a, near, b), far, c)
         };
-        [pick(0), pick(1), pick(2)]
+        [pick(&PICK_F64[0]), pick(&PICK_F64[1]), pick(&PICK_F64[2])]
     }
 
     #[inline]

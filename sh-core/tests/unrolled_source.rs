@@ -15,60 +15,40 @@ const HEADER: &str = "\
 //! `z p(v)` for odd, where `v = 2z² − 1`. In `v` the coefficients are small, and its rounding near the poles costs a
 //! quarter of that of z. Column `m` of every order is one function, cut off at the constant order `N`.
 
-use crate::{Order, Real, dot};
+use super::Sink;
+use crate::Real;
+use crate::simd::Lanes;
 ";
 
 const COMMON: &str = "
-/// Evaluates an order that has a kernel; returns whether it did. `out` is `[n²]`.
-#[inline]
-pub(super) fn eval<T: Real>(order: Order, direction: [T; 3], out: &mut [T]) -> bool {
-    match order.get() {
-EVAL        _ => return false,
-    }
-    true
-}
-
-/// The value of an expansion of an order that has a kernel. `coeffs` is `[n²]`.
-#[inline]
-pub(super) fn reconstruct<T: Real>(order: Order, coeffs: &[T], direction: [T; 3]) -> Option<T> {
-    match order.get() {
-RECONSTRUCT        _ => None,
-    }
-}
-
-/// Order `N`; `N2 = N²`.
+/// Hands every `y_i` of order `N` to `sink`, column by column.
 #[inline(always)]
-fn sum<T: Real, const N: usize, const N2: usize>(coeffs: &[T], direction: [T; 3]) -> Option<T> {
-    let mut y = [T::ZERO; N2];
-    kernel::<T, N>(direction, &mut y);
-    Some(dot(coeffs, &y))
-}
-
-#[inline(always)]
-fn kernel<T: Real, const N: usize>([x, y, z]: [T; 3], out: &mut [T]) {
-    assert!(out.len() == N * N, \"length checked by the caller\");
+pub(super) fn kernel<T: Real, V: Lanes<T>, const N: usize>([x, y, z]: [V; 3], sink: &mut impl Sink<V>) {
     let zv = [z, polynomial_argument([x, y, z])];
-    column_0::<T, N>(zv, out);
+    column_0::<T, V, N>(zv, sink);
     let (mut c, mut s) = (x, y);
 COLUMNS}
 
+/// `(x + iy)(c + is)`
+#[inline(always)]
+fn turn<T: Real, V: Lanes<T>>([x, y]: [V; 2], [c, s]: [V; 2]) -> (V, V) {
+    (x.mul_add(c, -(y * s)), x.mul_add(s, y * c))
+}
+
 /// `2z² − 1`, near the poles from x and y, where z has lost digits.
 #[inline(always)]
-fn polynomial_argument<T: Real>([x, y, z]: [T; 3]) -> T {
-    let two = T::ONE + T::ONE;
-    let (radius2, height2) = (x * x + y * y, z * z);
-    if radius2 < height2 { T::ONE - two * radius2 } else { two * height2 - T::ONE }
+fn polynomial_argument<T: Real, V: Lanes<T>>([x, y, z]: [V; 3]) -> V {
+    let (one, two) = (V::splat(T::ONE), V::splat(T::ONE + T::ONE));
+    let (radius2, height2) = (x.mul_add(x, y * y), z * z);
+    radius2.select_less(height2, one - two * radius2, two * height2 - one)
 }
 ";
 
 fn source() -> String {
     let mut source = String::from(HEADER);
-    source += "\n/// The largest order that has a kernel.\n#[cfg(feature = \"alloc\")]\n";
+    source += "\n/// The largest order that has a kernel.\n";
     writeln!(source, "pub(super) const MAX_ORDER: usize = {MAX_ORDER};").unwrap();
-    let arms = |arm: fn(usize) -> String| (1..=MAX_ORDER).map(arm).collect::<String>();
-    let eval = arms(|n| format!("        {n} => kernel::<T, {n}>(direction, out),\n"));
-    let reconstruct = arms(|n| format!("        {n} => sum::<T, {n}, {}>(coeffs, direction),\n", n * n));
-    source += &COMMON.replace("EVAL", &eval).replace("RECONSTRUCT", &reconstruct).replace("COLUMNS", &columns());
+    source += &COMMON.replace("COLUMNS", &columns());
     for m in 0..MAX_ORDER {
         source += &column(m);
     }
@@ -78,22 +58,23 @@ fn source() -> String {
 /// The calls of the columns m ≥ 1.
 fn columns() -> String {
     let call = |m: usize| {
-        let turn = if m == 1 { "" } else { "        (c, s) = (x * c - y * s, x * s + y * c);\n" };
-        format!("    if N > {m} {{\n{turn}        column_{m}::<T, N>([c, s], zv, out);\n    }}\n")
+        let turn = if m == 1 { "" } else { "        (c, s) = turn::<T, V>([x, y], [c, s]);\n" };
+        format!("    if N > {m} {{\n{turn}        column_{m}::<T, V, N>([c, s], zv, sink);\n    }}\n")
     };
     (1..MAX_ORDER).map(call).collect()
 }
 
 fn column(m: usize) -> String {
     let mut source = String::from("\n#[inline(always)]\n");
-    let wave = if m == 0 { "" } else { "[c, s]: [T; 2], " };
     let argument = match MAX_ORDER - m {
         1 => "_",
         2 => "[z, _]",
         _ => "[z, v]",
     };
-    writeln!(source, "fn column_{m}<T: Real, const N: usize>({wave}{argument}: [T; 2], out: &mut [T]) {{").unwrap();
-    source += "    let k = T::from_f64;\n";
+    let wave = if m == 0 { "" } else { "[c, s]: [V; 2], " };
+    let arguments = format!("{wave}{argument}: [V; 2], sink: &mut impl Sink<V>");
+    writeln!(source, "fn column_{m}<T: Real, V: Lanes<T>, const N: usize>({arguments}) {{").unwrap();
+    source += "    let k = |number: f64| V::splat(T::from_f64(number));\n";
     for l in m..MAX_ORDER {
         source += &band(l, m);
     }
@@ -104,8 +85,7 @@ fn band(l: usize, m: usize) -> String {
     let coefficients = polynomial(l, m);
     let mut lines: Vec<String> = Vec::new();
     for (i, c) in coefficients.iter().rev().enumerate() {
-        let above = if i == 0 { String::new() } else { "p * v + ".into() };
-        lines.push(format!("let p = {above}k({c:?});"));
+        lines.push(if i == 0 { format!("let p = k({c:?});") } else { format!("let p = p.mul_add(v, k({c:?}));") });
     }
     let p = if !(l - m).is_multiple_of(2) {
         lines.push("let p = p * z;".into());
@@ -115,10 +95,10 @@ fn band(l: usize, m: usize) -> String {
     };
     let centre = l * (l + 1);
     if m == 0 {
-        lines.push(format!("out[{centre}] = {p};"));
+        lines.push(format!("sink.put({centre}, {p});"));
     } else {
-        lines.push(format!("out[{}] = p * s;", centre - m));
-        lines.push(format!("out[{}] = p * c;", centre + m));
+        lines.push(format!("sink.put({}, p * s);", centre - m));
+        lines.push(format!("sink.put({}, p * c);", centre + m));
     }
     if l == m {
         return lines.iter().map(|line| format!("    {line}\n")).collect();

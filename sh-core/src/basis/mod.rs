@@ -1,13 +1,58 @@
 //! The basis functions at a direction.
 
+/// Calls with a constant `$N` where the order has a straight-line kernel.
+macro_rules! small_order {
+    ($order:expr, $N:ident => $small:expr, else $large:expr) => {
+        small_order!(@arms $order, $N => $small, else $large, 1 2 3 4 5 6 7 8 9 10)
+    };
+    (@arms $order:expr, $N:ident => $small:expr, else $large:expr, $($n:literal)+) => {
+        match $order.get() {
+            $($n => {
+                const $N: usize = $n;
+                $small
+            })+
+            _ => $large,
+        }
+    };
+}
+
+#[cfg(feature = "alloc")]
+mod batch;
+mod gradient;
 mod recurrence;
 mod unrolled;
 
 use crate::order::assert_length;
-use crate::{Order, Real};
+use crate::{Order, Real, dot};
+#[cfg(feature = "alloc")]
+pub use batch::BLOCK;
+#[cfg(feature = "alloc")]
+pub(crate) use batch::Groups;
+#[cfg(feature = "alloc")]
+pub use gradient::BasisGradient;
+pub use gradient::{eval_gradient, eval_hessian};
 use recurrence::Computed;
 #[cfg(feature = "alloc")]
 use recurrence::Tabled;
+
+/// Where values go.
+///
+/// Not a closure: `put` has to be inlined wherever it is called, hundreds of times in one kernel, to be compiled with the
+/// CPU features of the kernel.
+pub(crate) trait Sink<V> {
+    /// Takes `y_i`.
+    fn put(&mut self, i: usize, value: V);
+}
+
+/// `[n²]` values.
+struct Values<'a, V>(&'a mut [V]);
+
+impl<V> Sink<V> for Values<'_, V> {
+    #[inline(always)]
+    fn put(&mut self, i: usize, value: V) {
+        self.0[i] = value;
+    }
+}
 
 /// Evaluates all basis functions at a direction.
 ///
@@ -19,12 +64,12 @@ use recurrence::Tabled;
 /// Straight-line kernels for n ≤ 10, recurrences beyond; does not allocate. For many directions at n > 10, [`Basis`] keeps
 /// the factors of the recurrence and is three to five times faster.
 ///
-/// Accuracy, absolute, at every direction: in `f32` 4e-7 for n ≤ 6, 8e-7 for n ≤ 10, 5e-6 for n ≤ 65, 1e-5 beyond; in `f64`
-/// 2e-15 for n ≤ 10 and 1e-13 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
+/// Accuracy, absolute, at every direction: in `f32` 4e-7 for n ≤ 6, 8e-7 for n ≤ 10, 4e-6 for n ≤ 65, 6e-6 beyond; in `f64`
+/// 2e-15 for n ≤ 10 and 5e-14 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
 ///
-/// The direction is not normalised. Of another length than 1 the result is that of some polynomials in `x, y, z` which are
-/// the harmonics on the unit sphere only: finite for the zero vector, infinite or NaN where the input is. There is no
-/// panic.
+/// The direction is not normalised, but that its length is rounded does no harm. Of quite another length than 1 the result
+/// is that of some polynomials in `x, y, z` which are the harmonics on the unit sphere only: finite for the zero vector,
+/// infinite or NaN where the input is. There is no panic.
 ///
 /// ```
 /// let mut y = [0.0_f64; 4];
@@ -38,9 +83,14 @@ use recurrence::Tabled;
 /// If `out` is not `[n²]`.
 pub fn eval<T: Real>(order: Order, direction: [T; 3], out: &mut [T]) {
     assert_length("out", out.len(), order.coeff_count());
-    if !unrolled::eval(order, direction, out) {
-        eval_computed(order, direction, out);
-    }
+    small_order!(order, N => eval_small::<T, N>(direction, out), else eval_computed(order, direction, out));
+}
+
+/// The straight-line kernel of order `N`.
+#[inline]
+fn eval_small<T: Real, const N: usize>(direction: [T; 3], out: &mut [T]) {
+    assert!(out.len() == N * N, "length checked by the caller");
+    unrolled::kernel::<T, T, N>(direction, &mut Values(out));
 }
 
 /// The value of an expansion at a direction: `Σ coeffs[i] y_i(direction)`.
@@ -54,13 +104,21 @@ pub fn eval<T: Real>(order: Order, direction: [T; 3], out: &mut [T]) {
 /// If `coeffs` is not `[n²]`.
 pub fn reconstruct<T: Real>(order: Order, coeffs: &[T], direction: [T; 3]) -> T {
     assert_length("coeffs", coeffs.len(), order.coeff_count());
-    if let Some(value) = unrolled::reconstruct(order, coeffs, direction) {
-        value
-    } else if order.get() <= T::NATIVE_ORDER {
-        recurrence::reconstruct(order, direction, coeffs)
-    } else {
-        recurrence::reconstruct(order, widen(direction), coeffs)
-    }
+    small_order!(order, N => reconstruct_small::<T, N>(coeffs, direction), else {
+        if order.get() <= T::NATIVE_ORDER {
+            recurrence::reconstruct(order, direction, coeffs)
+        } else {
+            recurrence::reconstruct(order, widen(direction), coeffs)
+        }
+    })
+}
+
+/// The sum of order `N`.
+#[inline]
+fn reconstruct_small<T: Real, const N: usize>(coeffs: &[T], direction: [T; 3]) -> T {
+    let mut y = [T::ZERO; unrolled::MAX_ORDER * unrolled::MAX_ORDER];
+    eval_small::<T, N>(direction, &mut y[..N * N]);
+    dot(coeffs, &y[..N * N])
 }
 
 /// The recurrence with factors computed on the way, in the type that has the range for this order.
@@ -220,7 +278,7 @@ mod tests {
         for (n, direction) in (1..=unrolled::MAX_ORDER).flat_map(|n| directions().into_iter().map(move |d| (n, d))) {
             let (order, direction) = (Order::new(n).unwrap(), direction.map(T::from_f64));
             let (mut fast, mut plain) = (vec![T::ZERO; n * n], vec![T::ZERO; n * n]);
-            assert!(unrolled::eval(order, direction, &mut fast));
+            eval(order, direction, &mut fast);
             eval_computed(order, direction, &mut plain);
             for (i, (fast, plain)) in fast.iter().zip(&plain).enumerate() {
                 let difference = (*fast - *plain).to_f64().abs();
@@ -234,13 +292,6 @@ mod tests {
         // Both are within the accuracy that `eval` states, so they differ by twice that at most.
         assert_unrolled_equals_recurrence::<f64>(4e-15);
         assert_unrolled_equals_recurrence::<f32>(1.6e-6);
-    }
-
-    #[test]
-    fn unrolled_kernels_end_where_they_say() {
-        let n = unrolled::MAX_ORDER + 1;
-        assert!(!unrolled::eval(Order::new(n).unwrap(), [0.0, 0.0, 1.0], &mut vec![0.0; n * n]));
-        assert_eq!(unrolled::reconstruct(Order::new(n).unwrap(), &vec![0.0; n * n], [0.0, 0.0, 1.0]), None);
     }
 
     #[test]

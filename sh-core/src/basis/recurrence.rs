@@ -23,6 +23,9 @@
 #[cfg(feature = "alloc")]
 use alloc::vec::Vec;
 
+#[cfg(feature = "alloc")]
+use super::Sink;
+use crate::simd::Lanes;
 use crate::{Order, Real};
 
 /// Columns that advance together. Eight fill the vector registers and hide the latency of the recurrence.
@@ -148,7 +151,7 @@ impl<W: Real> Factors<W> for Tabled<W> {
 /// Evaluates all basis functions: works in `W`, writes `T`.
 #[inline]
 pub(super) fn eval<W: Real, T: Real>(order: Order, direction: [W; 3], factors: &impl Factors<W>, out: &mut [T]) {
-    visit(order, direction, factors, |l, m0, values, [cosines, sines]| {
+    visit::<W, W, _>(order, direction, factors, |l, m0, values, [cosines, sines]| {
         let (minus, plus) = out[l * l..(l + 1) * (l + 1)].split_at_mut(l);
         let write = |out: &mut T, value: W, wave: W| *out = T::from_f64((value * wave).to_f64());
         // Column 0 has no sine.
@@ -172,10 +175,31 @@ pub(super) fn eval<W: Real, T: Real>(order: Order, direction: [W; 3], factors: &
     });
 }
 
+/// Hands every `y_i` to `sink`, in lanes.
+#[cfg(feature = "alloc")]
+#[inline(always)]
+pub(super) fn eval_lanes<W: Real, V: Lanes<W>>(
+    order: Order,
+    direction: [V; 3],
+    factors: &Tabled<W>,
+    sink: &mut impl Sink<V>,
+) {
+    visit(order, direction, factors, |l, m0, values, [cosines, sines]| {
+        let centre = l * (l + 1);
+        for j in 0..LANES.min(l + 1 - m0) {
+            sink.put(centre + m0 + j, values[j] * cosines[j]);
+            // Column 0 has no sine.
+            if m0 + j > 0 {
+                sink.put(centre - m0 - j, values[j] * sines[j]);
+            }
+        }
+    });
+}
+
 /// The value of an expansion, without storing the basis.
 pub(super) fn reconstruct<W: Real, T: Real>(order: Order, direction: [W; 3], coeffs: &[T]) -> T {
     let mut sums = [W::ZERO; LANES];
-    visit(order, direction, &Computed, |l, m0, values, [cosines, sines]| {
+    visit::<W, W, _>(order, direction, &Computed, |l, m0, values, [cosines, sines]| {
         let centre = l * (l + 1);
         for lane in 0..LANES.min(l + 1 - m0) {
             let [plus, minus] = [centre + m0 + lane, centre - m0 - lane].map(|i| W::from_f64(coeffs[i].to_f64()));
@@ -185,71 +209,141 @@ pub(super) fn reconstruct<W: Real, T: Real>(order: Order, direction: [W; 3], coe
     T::from_f64(sums.into_iter().sum::<W>().to_f64())
 }
 
-/// Hands every band of every block of columns to `sink(l, m0, N q, [C, S])`; lanes with `m > l` are zero.
+/// Hands every band of every block of columns to `sink(l, m0, N q, [C, S])`; columns with `m > l` are zero.
 #[inline(always)]
-fn visit<W: Real, F: Factors<W>>(
+fn visit<W: Real, V: Lanes<W>, F: Factors<W>>(
     order: Order,
-    [x, y, z]: [W; 3],
+    direction: [V; 3],
     factors: &F,
-    mut sink: impl FnMut(usize, usize, &Block<W>, &[Block<W>; 2]),
+    mut sink: impl FnMut(usize, usize, &Block<V>, &[Block<V>; 2]),
 ) {
     let n = order.get();
-    let from_pole = distance_from_pole([x, y, z]);
-    let mut azimuth = [W::from_f64(Y_00), W::ZERO];
+    let (zero, one) = (V::splat(W::ZERO), V::splat(W::ONE));
+    let polar = Polar::new(direction);
+    let mut azimuth = [V::splat(W::from_f64(Y_00)), zero];
     for m0 in (0..n).step_by(LANES) {
         // Bands with l − m0 even and odd: at z < 0 they differ by the parity (−1)^(l+m).
-        let waves = azimuth_block(m0, n, [x, y], factors, &mut azimuth);
-        let waves = if z < W::ZERO { [flip_lanes(&waves, 1), flip_lanes(&waves, 0)] } else { [waves, waves] };
-        let (mut q, mut delta, mut values) = ([W::ZERO; LANES], [W::ZERO; LANES], [W::ZERO; LANES]);
+        let waves = azimuth_block(m0, n, &polar, factors, &mut azimuth);
+        let waves = [flip_columns(&waves, 1, polar.sign), flip_columns(&waves, 0, polar.sign)];
+        let (mut q, mut delta, mut values) = ([zero; LANES], [zero; LANES], [zero; LANES]);
         let mut memory = F::Memory::default();
         for l in m0..n {
             let Step { keep, change, norm } = factors.step(m0, l, &mut memory);
             for j in 0..LANES {
-                delta[j] = keep[j] * delta[j] - change[j] * from_pole * q[j];
-                q[j] += delta[j];
+                let drop = V::splat(change[j]) * polar.from_pole * q[j];
+                delta[j] = V::splat(keep[j]).mul_add(delta[j], -drop);
+                q[j] = q[j] + delta[j];
             }
             if l - m0 < LANES {
-                q[l - m0] = W::ONE;
+                q[l - m0] = one;
             }
             for j in 0..LANES {
-                values[j] = norm[j] * q[j];
+                values[j] = V::splat(norm[j]) * q[j];
             }
             sink(l, m0, &values, &waves[(l - m0) % 2]);
         }
     }
 }
 
-/// Changes the sign of every other lane, from `first` on.
-fn flip_lanes<W: Real>(waves: &[Block<W>; 2], first: usize) -> [Block<W>; 2] {
+/// Multiplies every other column by `sign`, from `first` on.
+#[inline(always)]
+fn flip_columns<W: Real, V: Lanes<W>>(waves: &[Block<V>; 2], first: usize, sign: V) -> [Block<V>; 2] {
     let mut flipped = *waves;
-    flipped.iter_mut().flat_map(|wave| wave.iter_mut().skip(first).step_by(2)).for_each(|w| *w = -*w);
+    for wave in &mut flipped {
+        for column in (first..LANES).step_by(2) {
+            wave[column] = wave[column] * sign;
+        }
+    }
     flipped
 }
 
-/// `1 − |z|`, to full relative accuracy: near the poles it is in x and y, near the equator in z.
+/// Below this `tan² theta` the distance from the pole is taken from x and y. Its rounding, three units in the last place, is
+/// then below that of numbers of size 1.
+const POLAR_CAP: f64 = 1.0 / 16.0;
+
+/// What the recurrence needs of a direction.
+#[derive(Clone, Copy, Debug)]
+struct Polar<V> {
+    x: V,
+    y: V,
+    /// −1 where z < 0, else 1.
+    sign: V,
+    /// `1 − |z|` of the normalised direction, to full relative accuracy.
+    from_pole: V,
+    /// `|direction|² − 1`, far below the rounding of the components.
+    ///
+    /// The components are rounded, so the length is 1 to half a unit in the last place only, and it would enter as its m-th
+    /// power: half of the whole error at m = 500.
+    excess: V,
+}
+
+impl<V> Polar<V> {
+    #[inline(always)]
+    fn new<W: Real>([x, y, z]: [V; 3]) -> Self
+    where
+        V: Lanes<W>,
+    {
+        let (zero, one, half) = (V::splat(W::ZERO), V::splat(W::ONE), V::splat(W::from_f64(0.5)));
+        let sign = z.select_less(zero, -one, one);
+        let height = z * sign;
+        let excess = excess_length2::<W, V>([x, y, z]);
+        let radius2 = x.mul_add(x, y * y);
+        // Close to the poles the distance is in x and y, elsewhere in z. There its rounding and the length of the direction are
+        // both of the size of its last digit, and are added together.
+        let distance = one - height;
+        let lost = (one - distance) - height;
+        let near_equator = distance + height.mul_add(half * excess, lost);
+        let close = V::splat(W::from_f64(POLAR_CAP)) * height;
+        let from_pole = radius2.select_less(close * height, radius2.div(one + height), near_equator);
+        Self { x, y, sign, from_pole, excess }
+    }
+}
+
+/// `x² + y² + z² − 1` with the rounding errors of the squares. Near 1 the largest parts cancel exactly.
 #[inline(always)]
-fn distance_from_pole<W: Real>([x, y, z]: [W; 3]) -> W {
-    let (radius2, height) = (x * x + y * y, z.abs());
-    if radius2 < height * height { radius2 / (W::ONE + height) } else { W::ONE - height }
+fn excess_length2<W: Real, V: Lanes<W>>(direction: [V; 3]) -> V {
+    let [x, y, z] = direction.map(square::<W, V>);
+    let add = |[a, a_low]: [V; 2], [b, b_low]: [V; 2]| {
+        let sum = a + b;
+        let b_part = sum - a;
+        [sum, ((a - (sum - b_part)) + (b - b_part)) + (a_low + b_low)]
+    };
+    let [sum, low] = add(add(x, y), z);
+    (sum - V::splat(W::ONE)) + low
+}
+
+/// `a²` and the rounding error of it, by splitting `a` into halves (Dekker). It needs no fused multiply-add.
+#[inline(always)]
+fn square<W: Real, V: Lanes<W>>(a: V) -> [V; 2] {
+    let shifted = V::splat(W::SPLIT) * a;
+    let high = shifted - (shifted - a);
+    let low = a - high;
+    let product = a * a;
+    let twice = (high + high) * low;
+    [product, ((high * high - product) + twice) + low * low]
 }
 
 /// `[C_m, S_m]` for the columns from `m0`; `azimuth` holds the last pair of the block before, and of this one afterwards.
 #[inline(always)]
-fn azimuth_block<W: Real>(
+fn azimuth_block<W: Real, V: Lanes<W>>(
     m0: usize,
     n: usize,
-    [x, y]: [W; 2],
+    &Polar { x, y, excess, .. }: &Polar<V>,
     factors: &impl Factors<W>,
-    azimuth: &mut [W; 2],
-) -> [Block<W>; 2] {
-    let [mut cosines, mut sines] = [[W::ZERO; LANES]; 2];
+    azimuth: &mut [V; 2],
+) -> [Block<V>; 2] {
+    let zero = V::splat(W::ZERO);
+    let [mut cosines, mut sines] = [[zero; LANES]; 2];
     for (m, (cosine, sine)) in (m0..n).zip(cosines.iter_mut().zip(&mut sines)) {
-        if m > 0 {
-            let ratio = factors.ratio(m);
-            let [c, s] = *azimuth;
-            *azimuth = [ratio * (x * c - y * s), ratio * (x * s + y * c)];
+        if m == 0 {
+            [*cosine, *sine] = *azimuth;
+            continue;
         }
-        [*cosine, *sine] = *azimuth;
+        let (ratio, [c, s]) = (V::splat(factors.ratio(m)), *azimuth);
+        *azimuth = [ratio * x.mul_add(c, -(y * s)), ratio * x.mul_add(s, y * c)];
+        // |direction|^−m, which is too near to 1 to be multiplied in step by step.
+        let power = V::splat(W::from_f64(-0.5 * m as f64)) * excess;
+        [*cosine, *sine] = azimuth.map(|wave| wave.mul_add(power, wave));
     }
     [cosines, sines]
 }

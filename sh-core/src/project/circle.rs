@@ -6,120 +6,224 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::array;
 use core::f64::consts::TAU;
 
-use crate::{Order, Real, dot};
+use crate::simd::{Kernel, Lanes, dispatch};
+use crate::{Order, Real};
 
-/// Waves on a circle of texels, for one width and order; and the Fourier coefficients of one row.
+/// Waves on a circle of texels, for one width and order; and the Fourier coefficients of one row, for three channels.
 #[derive(Clone, Debug)]
 pub(super) struct Circle {
-    cosine_waves: Waves,
-    sine_waves: Waves,
-    /// `[n]`: sums of a row with `cos(m longitude)`, or the coefficients of a row.
+    order: Order,
+    /// Columns that are left after folding: `width/4`, or `width/2` of odd widths, rounded up.
+    folded: usize,
+    /// `[n, folded]`: cosines; halved at a column that is its own partner, which is met twice.
+    cosine_waves: Vec<f64>,
+    /// `[n, folded]`: sines, the same way.
+    sine_waves: Vec<f64>,
+    /// `[3, n]`: sums of a row with `cos(m longitude)`, or the coefficients of a row.
     pub(super) cosines: Vec<f64>,
-    /// `[n]`: the same with sines; 0 for m = 0.
+    /// `[3, n]`: the same with sines; 0 for m = 0.
     pub(super) sines: Vec<f64>,
-    /// `[width]`: the row.
-    row: Vec<f64>,
+    /// `[width]` each: the row.
+    rows: [Vec<f64>; 3],
+    folds: Folds,
+}
+
+/// The parts of a row that waves of one kind see, `[folded]` each.
+#[derive(Clone, Debug)]
+struct Folds {
+    /// Cosines of even and of odd m.
+    cosines: [Vec<f64>; 2],
+    /// Sines of even and of odd m.
+    sines: [Vec<f64>; 2],
 }
 
 impl Circle {
     pub(super) fn new(order: Order, width: usize) -> Self {
         let n = order.get();
-        Self {
-            cosine_waves: Waves::new(order, width, 1.0, Real::cos),
-            sine_waves: Waves::new(order, width, -1.0, Real::sin),
-            cosines: vec![0.0; n],
-            sines: vec![0.0; n],
-            row: vec![0.0; width],
-        }
-    }
-
-    /// Takes the sums of a row.
-    pub(super) fn analyse(&mut self, row: impl Iterator<Item = f64>) {
-        self.row.iter_mut().zip(row).for_each(|(to, from)| *to = from);
-        self.cosine_waves.analyse(&self.row, &mut self.cosines);
-        self.sine_waves.analyse(&self.row, &mut self.sines);
-    }
-
-    /// The row with the coefficients `cosines` and `sines`.
-    pub(super) fn synthesise(&mut self) -> &[f64] {
-        self.row.fill(0.0);
-        self.cosine_waves.synthesise(&self.cosines, &mut self.row);
-        self.sine_waves.synthesise(&self.sines, &mut self.row);
-        &self.row
-    }
-}
-
-/// Either the cosines or the sines.
-#[derive(Clone, Debug)]
-struct Waves {
-    /// The sign of the waves at the opposite longitude: 1 for cosines, −1 for sines.
-    mirror: f64,
-    /// Columns that are left after folding: `width/4`, or `width/2` of odd widths, rounded up.
-    folded: usize,
-    /// `[n, folded]`: the waves; halved at a column that is its own partner, which is met twice.
-    table: Vec<f64>,
-    /// `[2, folded]`: the parts of a row that the waves of even and of odd `m` see.
-    parts: Vec<f64>,
-}
-
-impl Waves {
-    fn new(order: Order, width: usize, mirror: f64, wave: fn(f64) -> f64) -> Self {
         let folded_circle = if width.is_multiple_of(2) { width / 2 } else { width };
         let folded = folded_circle.div_ceil(2);
         let share = |k: usize| if 2 * k + 1 == folded_circle { 0.5 } else { 1.0 };
         // Longitudes are whole multiples of a full turn / (2 width): reduced before they are rounded.
         let turns = |m: usize, k: usize| (m * (2 * k + 1) % (2 * width)) as f64 / (2 * width) as f64;
-        let table = (0..order.get()).flat_map(|m| (0..folded).map(move |k| share(k) * wave(TAU * turns(m, k))));
-        Self { mirror, folded, table: table.collect(), parts: vec![0.0; 2 * folded] }
-    }
-
-    /// `sums[m] = Σ row · wave_m`.
-    fn analyse(&mut self, row: &[f64], sums: &mut [f64]) {
-        self.fold(row);
-        let (even, odd) = self.parts.split_at(self.folded);
-        for (m, (sum, wave)) in sums.iter_mut().zip(self.table.chunks_exact(self.folded)).enumerate() {
-            *sum = dot(wave, if m % 2 == 0 { even } else { odd });
+        let table = |wave: fn(f64) -> f64| -> Vec<f64> {
+            (0..n).flat_map(|m| (0..folded).map(move |k| share(k) * wave(TAU * turns(m, k)))).collect()
+        };
+        let part = || vec![0.0; folded];
+        Self {
+            order,
+            folded,
+            cosine_waves: table(Real::cos),
+            sine_waves: table(Real::sin),
+            cosines: vec![0.0; 3 * n],
+            sines: vec![0.0; 3 * n],
+            rows: array::from_fn(|_| vec![0.0; width]),
+            folds: Folds { cosines: [part(), part()], sines: [part(), part()] },
         }
     }
 
-    /// `row += Σ sums[m] wave_m`.
-    fn synthesise(&mut self, sums: &[f64], row: &mut [f64]) {
-        self.parts.fill(0.0);
-        let (even, odd) = self.parts.split_at_mut(self.folded);
-        for (m, (&sum, wave)) in sums.iter().zip(self.table.chunks_exact(self.folded)).enumerate() {
-            let part = if m % 2 == 0 { &mut *even } else { &mut *odd };
-            part.iter_mut().zip(wave).for_each(|(part, wave)| *part += sum * wave);
-        }
-        self.unfold(row);
+    /// Takes the sums of a row `[width]`.
+    pub(super) fn analyse(&mut self, row: &[[f32; 3]]) {
+        dispatch(Analysis { circle: self, row });
     }
 
-    /// Adds up the columns that share an entry of the table, with the signs that the waves have there.
-    fn fold(&mut self, row: &[f64]) {
-        let (length, last) = (row.len(), row.len() - 1);
-        let (even, odd) = self.parts.split_at_mut(self.folded);
-        for (k, (even, odd)) in even.iter_mut().zip(odd).enumerate() {
-            let near = row[k] + self.mirror * row[last - k];
-            (*even, *odd) = (near, near);
-            if length.is_multiple_of(2) {
-                let far = self.mirror * row[last / 2 - k] + row[length / 2 + k];
-                *even += far;
-                *odd -= far;
+    /// The rows of the three channels with the coefficients `cosines` and `sines`.
+    pub(super) fn synthesise(&mut self) -> &[Vec<f64>; 3] {
+        dispatch(Synthesis { circle: self });
+        &self.rows
+    }
+}
+
+/// [`Circle::analyse`], compiled for the registers of the machine: plain loops, which compilers vectorise.
+struct Analysis<'a> {
+    circle: &'a mut Circle,
+    row: &'a [[f32; 3]],
+}
+
+impl Kernel<f64> for Analysis<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes<f64>>(self) {
+        let Circle { order, cosine_waves, sine_waves, cosines, sines, rows, folds, .. } = self.circle;
+        split_channels(self.row, rows);
+        let n = order.get();
+        for (channel, row) in rows.iter().enumerate() {
+            folds.fold(row);
+            let channel = channel * n..(channel + 1) * n;
+            for parity in 0..n.min(2) {
+                sums::<V>(cosine_waves, &folds.cosines[parity], parity, &mut cosines[channel.clone()][parity..]);
+                sums::<V>(sine_waves, &folds.sines[parity], parity, &mut sines[channel.clone()][parity..]);
             }
         }
     }
+}
 
-    /// The adjoint of [`Waves::fold`].
+/// [`Circle::synthesise`], the same way.
+struct Synthesis<'a> {
+    circle: &'a mut Circle,
+}
+
+impl Kernel<f64> for Synthesis<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes<f64>>(self) {
+        let Circle { order, folded, cosine_waves, sine_waves, cosines, sines, rows, folds } = self.circle;
+        let n = order.get();
+        for (channel, row) in rows.iter_mut().enumerate() {
+            folds.clear();
+            for m in 0..n {
+                let wave = m * *folded..(m + 1) * *folded;
+                add_scaled(cosines[channel * n + m], &cosine_waves[wave.clone()], &mut folds.cosines[m % 2]);
+                add_scaled(sines[channel * n + m], &sine_waves[wave], &mut folds.sines[m % 2]);
+            }
+            folds.unfold(row);
+        }
+    }
+}
+
+#[inline(always)]
+fn split_channels(row: &[[f32; 3]], [red, green, blue]: &mut [Vec<f64>; 3]) {
+    for (((pixel, red), green), blue) in row.iter().zip(red).zip(green).zip(blue) {
+        [*red, *green, *blue] = pixel.map(f64::from);
+    }
+}
+
+/// The sums of a part with every other wave from `m0`, where `out` begins.
+#[inline(always)]
+fn sums<V: Lanes<f64>>(waves: &[f64], part: &[f64], m0: usize, out: &mut [f64]) {
+    let wave = |m: usize| &waves[m * part.len()..(m + 1) * part.len()];
+    let mut k = 0;
+    while k < out.len() {
+        let m = m0 + k;
+        // As many waves at a time as share the registers well.
+        match (out.len() - k).div_ceil(2) {
+            1 => [out[k]] = dots::<V, 1>([wave(m)], part),
+            2 => [out[k], out[k + 2]] = dots::<V, 2>([wave(m), wave(m + 2)], part),
+            _ => [out[k], out[k + 2], out[k + 4]] = dots::<V, 3>([wave(m), wave(m + 2), wave(m + 4)], part),
+        }
+        k += 6;
+    }
+}
+
+/// The dot products of some waves with a part.
+#[inline(always)]
+fn dots<V: Lanes<f64>, const WAVES: usize>(waves: [&[f64]; WAVES], part: &[f64]) -> [f64; WAVES] {
+    let mut sums = [[V::splat(0.0); 2]; WAVES];
+    let step = 2 * V::WIDTH;
+    let whole = part.len() / step * step;
+    for k in (0..whole).step_by(step) {
+        let (near, far) = (V::load(&part[k..]), V::load(&part[k + V::WIDTH..]));
+        for (sum, wave) in sums.iter_mut().zip(waves) {
+            let wave = &wave[k..k + step];
+            *sum = [V::load(wave).mul_add(near, sum[0]), V::load(&wave[V::WIDTH..]).mul_add(far, sum[1])];
+        }
+    }
+    let mut out = [0.0; WAVES];
+    for ((out, wave), [near, far]) in out.iter_mut().zip(waves).zip(sums) {
+        let mut lanes = [0.0; 8];
+        (near + far).store(&mut lanes);
+        let [s0, s1, s2, s3, s4, s5, s6, s7] = lanes;
+        let rest: f64 = wave[whole..].iter().zip(&part[whole..]).map(|(a, b)| a * b).sum();
+        *out = (((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7))) + rest;
+    }
+    out
+}
+
+/// `out += factor · wave`
+#[inline(always)]
+fn add_scaled(factor: f64, wave: &[f64], out: &mut [f64]) {
+    for (out, wave) in out.iter_mut().zip(wave) {
+        *out += factor * wave;
+    }
+}
+
+impl Folds {
+    /// Adds up the columns that share an entry of the tables, with the signs that the waves have there.
+    #[inline(always)]
+    fn fold(&mut self, row: &[f64]) {
+        let [[cos_even, cos_odd], [sin_even, sin_odd]] = [&mut self.cosines, &mut self.sines];
+        let (near, far) = row.split_at(row.len().div_ceil(2));
+        let columns = cos_even.iter_mut().zip(cos_odd).zip(sin_even.iter_mut().zip(sin_odd));
+        if !row.len().is_multiple_of(2) {
+            let opposite = row.iter().rev();
+            for (((ce, co), (se, so)), (a, d)) in columns.zip(near.iter().zip(opposite)) {
+                (*ce, *co) = (a + d, a + d);
+                (*se, *so) = (a - d, a - d);
+            }
+            return;
+        }
+        let texels = near.iter().zip(near.iter().rev()).zip(far.iter().zip(far.iter().rev()));
+        for (((ce, co), (se, so)), ((a, b), (c, d))) in columns.zip(texels) {
+            let (cos_near, cos_far, sin_near, sin_far) = (a + d, b + c, a - d, c - b);
+            (*ce, *co) = (cos_near + cos_far, cos_near - cos_far);
+            (*se, *so) = (sin_near + sin_far, sin_near - sin_far);
+        }
+    }
+
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.cosines.iter_mut().chain(&mut self.sines).for_each(|part| part.fill(0.0));
+    }
+
+    /// The adjoint of [`Folds::fold`]: overwrites the row.
+    #[inline(always)]
     fn unfold(&self, row: &mut [f64]) {
+        let [[cos_even, cos_odd], [sin_even, sin_odd]] = [&self.cosines, &self.sines];
         let (length, last) = (row.len(), row.len() - 1);
-        let (even, odd) = self.parts.split_at(self.folded);
-        for (k, (even, odd)) in even.iter().zip(odd).enumerate() {
-            row[k] += even + odd;
-            row[last - k] += self.mirror * (even + odd);
+        row.fill(0.0);
+        for k in 0..cos_even.len() {
+            let (even, odd) = ([cos_even[k], sin_even[k]], [cos_odd[k], sin_odd[k]]);
+            let near = [even[0] + odd[0], even[1] + odd[1]];
+            row[k] += near[0] + near[1];
+            row[last - k] += near[0] - near[1];
             if length.is_multiple_of(2) {
-                row[last / 2 - k] += self.mirror * (even - odd);
-                row[length / 2 + k] += even - odd;
+                let far = [even[0] - odd[0], even[1] - odd[1]];
+                row[last / 2 - k] += far[0] - far[1];
+                row[length / 2 + k] += far[0] + far[1];
             }
         }
     }

@@ -55,9 +55,10 @@ pub fn project_lat_long(order: Order, map: LatLong, pixels: &[[f32; 3]], light: 
     let mut local = vec![0.0; 3 * count];
     for (row, pixels) in pixels.chunks_exact(map.width).enumerate() {
         basis.eval(meridian_direction(map, row), &mut meridian);
-        for (channel, local) in local.chunks_exact_mut(count).enumerate() {
-            circle.analyse(pixels.iter().map(|pixel| f64::from(pixel[channel])));
-            add_row(order, &meridian, &circle, map.solid_angle(row), local);
+        circle.analyse(pixels);
+        let waves = circle.cosines.chunks_exact(order.get()).zip(circle.sines.chunks_exact(order.get()));
+        for (waves, local) in waves.zip(local.chunks_exact_mut(count)) {
+            add_row(order, &meridian, waves, map.solid_angle(row), local);
         }
     }
     let mut rotated = vec![0.0; 3 * count];
@@ -89,11 +90,13 @@ pub fn reconstruct_lat_long(order: Order, light: &[f32], map: LatLong, pixels: &
     let mut meridian = vec![0.0; count];
     for (row, pixels) in pixels.chunks_exact_mut(map.width).enumerate() {
         basis.eval(meridian_direction(map, row), &mut meridian);
-        for (channel, local) in local.chunks_exact(count).enumerate() {
-            sum_row(order, &meridian, local, &mut circle);
-            for (pixel, &value) in pixels.iter_mut().zip(circle.synthesise()) {
-                pixel[channel] = value as f32;
-            }
+        let waves = circle.cosines.chunks_exact_mut(order.get()).zip(circle.sines.chunks_exact_mut(order.get()));
+        for (waves, local) in waves.zip(local.chunks_exact(count)) {
+            sum_row(order, &meridian, local, waves);
+        }
+        let [red, green, blue] = circle.synthesise();
+        for (((pixel, &r), &g), &b) in pixels.iter_mut().zip(red).zip(green).zip(blue) {
+            *pixel = [r as f32, g as f32, b as f32];
         }
     }
 }
@@ -107,27 +110,28 @@ fn meridian_direction(map: LatLong, row: usize) -> [f64; 3] {
 /// Adds a row's Fourier sums to the coefficients in the map's frame.
 ///
 /// - `meridian`: `[n²]`, the basis at azimuth 0, where `y_lm` for m ≥ 0 is the constant of the circle
-fn add_row(order: Order, meridian: &[f64], circle: &Circle, solid_angle: f64, local: &mut [f64]) {
+/// - `cosines`, `sines`: `[n]`
+fn add_row(order: Order, meridian: &[f64], (cosines, sines): (&[f64], &[f64]), solid_angle: f64, local: &mut [f64]) {
     for l in 0..order.get() {
         let centre = index(l, 0);
         for m in 0..=l {
             let constant = solid_angle * meridian[centre + m];
-            local[centre - m] -= constant * circle.sines[m];
-            local[centre + m] += constant * circle.cosines[m];
+            local[centre - m] -= constant * sines[m];
+            local[centre + m] += constant * cosines[m];
         }
     }
 }
 
 /// The Fourier coefficients of a row: the adjoint of [`add_row`].
-fn sum_row(order: Order, meridian: &[f64], local: &[f64], circle: &mut Circle) {
-    circle.cosines.fill(0.0);
-    circle.sines.fill(0.0);
+fn sum_row(order: Order, meridian: &[f64], local: &[f64], (cosines, sines): (&mut [f64], &mut [f64])) {
+    cosines.fill(0.0);
+    sines.fill(0.0);
     for l in 0..order.get() {
         let centre = index(l, 0);
         for m in 0..=l {
-            circle.cosines[m] += meridian[centre + m] * local[centre + m];
-            circle.sines[m] -= meridian[centre + m] * local[centre - m];
+            cosines[m] += meridian[centre + m] * local[centre + m];
+            sines[m] -= meridian[centre + m] * local[centre - m];
         }
     }
-    circle.sines[0] = 0.0;
+    sines[0] = 0.0;
 }

@@ -3,11 +3,14 @@
 mod circle;
 mod cube;
 mod lat_long;
+mod least_squares;
+mod samples;
 
 use alloc::vec;
 
 pub use cube::project_cube;
 pub use lat_long::{project_lat_long, reconstruct_lat_long};
+pub use least_squares::LeastSquares;
 
 use crate::order::assert_length;
 use crate::{Basis, Order, Quadrature, Real};
