@@ -151,7 +151,7 @@ pub use order::{Order, index};
 pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
-pub use rotation::{ShRotation, Zxzxz};
+pub use rotation::{ShRotation, Taylor, TaylorDegree, Zxzxz, radiance_cache_angle_limit, taylor_angle_limit};
 pub use rotation::{Zyz, rotate, rotate_quaternion, rotate_z, rotate_zyz};
 #[cfg(feature = "alloc")]
 pub use sphere::{Quadrature, fibonacci};

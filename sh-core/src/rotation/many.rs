@@ -87,7 +87,8 @@ impl<T: Real> Many<'_, T> {
             let start = block * V::WIDTH * N2;
             let loaded = load(&self.vectors.source()[start..], N2, &mut rows);
             rotate_lanes::<T, V, N2>(self.matrices, &mut rows);
-            store(&rows[..loaded], N2, &mut self.vectors.target()[start..]);
+            // What was taken in of the next vector is written unchanged, and that vector after it.
+            V::store_transposed(&rows[..loaded], N2, &mut self.vectors.target()[start..]);
         }
         blocks * V::WIDTH
     }
@@ -115,37 +116,14 @@ fn multiply_in_place<T: Real>(matrix: &[T], vector: &mut [T]) {
     multiply(matrix, copy, vector);
 }
 
-/// Transposes whole squares where it can: the last may overlap the one before, or, of short vectors, take in the beginning
-/// of the next vector. Returns the number of rows to store.
+/// Transposes. Of vectors shorter than a register it takes in the beginning of the next one, so as to load whole registers.
+/// Returns the number of rows to store.
 #[inline(always)]
 fn load<T: Real, V: Lanes<T>>(values: &[T], count: usize, rows: &mut [V]) -> usize {
-    let whole = count / V::WIDTH * V::WIDTH;
-    if whole == 0 && rows.len() >= V::WIDTH && values.len() >= (V::WIDTH - 1) * count + V::WIDTH {
-        V::load_transposed(&mut rows[..V::WIDTH], count, values);
-        return V::WIDTH;
-    }
-    if whole == 0 {
-        V::load_transposed(&mut rows[..count], count, values);
-        return count;
-    }
-    V::load_transposed(&mut rows[..whole], count, values);
-    if whole < count {
-        V::load_transposed(&mut rows[count - V::WIDTH..count], count, &values[count - V::WIDTH..]);
-    }
-    count
-}
-
-/// The inverse. What was taken in of the next vector is written back unchanged, before that vector's own turn.
-#[inline(always)]
-fn store<T: Real, V: Lanes<T>>(rows: &[V], count: usize, out: &mut [T]) {
-    let whole = count / V::WIDTH * V::WIDTH;
-    if whole == 0 {
-        return V::store_transposed(rows, count, out);
-    }
-    V::store_transposed(&rows[..whole], count, out);
-    if whole < count {
-        V::store_transposed(&rows[count - V::WIDTH..count], count, &mut out[count - V::WIDTH..]);
-    }
+    let more = count < V::WIDTH && values.len() >= (V::WIDTH - 1) * count + V::WIDTH;
+    let loaded = if more { V::WIDTH } else { count };
+    V::load_transposed(&mut rows[..loaded], count, values);
+    loaded
 }
 
 /// All bands of order n, `N2 = n²`, in every lane.

@@ -11,6 +11,8 @@ mod many;
 mod quad;
 #[cfg(feature = "alloc")]
 mod tables;
+#[cfg(feature = "alloc")]
+mod taylor;
 mod turn;
 mod unrolled;
 mod zxzxz;
@@ -24,5 +26,7 @@ pub(crate) use exact::rotate_channels;
 pub use quad::Quads;
 #[cfg(feature = "alloc")]
 pub use tables::Zxzxz;
+#[cfg(feature = "alloc")]
+pub use taylor::{Taylor, TaylorDegree, radiance_cache_angle_limit, taylor_angle_limit};
 pub use zxzxz::{rotate, rotate_quaternion, rotate_zyz};
 pub use zyz::Zyz;

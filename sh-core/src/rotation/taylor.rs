@@ -1,0 +1,233 @@
+//! Approximate rotation: the turn about y by its Taylor polynomial.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::zxzxz::invert;
+use super::zyz::{Turn, Zyz};
+use crate::order::assert_length;
+use crate::{Order, Real};
+
+/// Where the Taylor polynomial of `Y(β)` at 0 ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TaylorDegree {
+    /// `I + βD`
+    One,
+    /// `I + βD + ½β² diag D²`: the degree "1.5" of [KKP05](crate#references), which the paper uses.
+    OneAndHalf,
+    /// `I + βD + ½β² D²`
+    Two,
+}
+
+/// Rotation by `Z(α) Ỹ(β) Z(γ)`, where the Taylor polynomial `Ỹ` stands for the turn about y: O(n²), for small β.
+///
+/// The first derivative `D = dY/dβ(0)` couples neighbours `m, m+1` of a kind (cosines or sines) only:
+///
+/// ```text
+/// D_m+1,m = −½ √((l−m)(l+m+1)) = −D_m,m+1,   times √2 for m = 0 (cosines)
+/// ```
+///
+/// This is the generator of turns about y, and all derivatives are its powers, because `Y(β) = exp(βD)`; so the tables need
+/// no recurrence over bands as in Appendix A of the paper. `D²` has a diagonal and entries two beside it.
+///
+/// Error for an expansion of unit length: at worst `|e^imβ − p(imβ)|` with `m = n−1` and the polynomial `p`, for degrees 1 and
+/// 2, so about `½((n−1)β)²` and `((n−1)β)³/6`; degree 1.5 is between them. n = 5 and β = 10°: worst 0.240 / 0.123 / 0.056, mean
+/// 0.060 / 0.035 / 0.010 for degree 1 / 1.5 / 2; asserted by `tests/rotation_taylor.rs`.
+///
+/// Whether it pays, against [`rotate`](crate::rotate): `repro kkp/trade` of the workspace's benches measures it.
+///
+/// ```
+/// use sh_core::{Order, Taylor, TaylorDegree, Zyz, rotate_zyz, taylor_angle_limit};
+///
+/// let order = Order::new(5)?;
+/// let taylor = Taylor::<f32>::new(order, TaylorDegree::OneAndHalf);
+/// let limit = taylor_angle_limit(order, 0.01_f32);
+/// let zyz = Zyz::from_angles([0.4, 0.8 * limit, -1.0]);
+/// let f = [0.2; 25]; // of length 1
+/// let (mut fast, mut exact) = ([0.0; 25], [0.0; 25]);
+/// taylor.rotate(&zyz, &f, &mut fast);
+/// rotate_zyz(order, &zyz, &f, &mut exact);
+/// let error: f32 = fast.iter().zip(exact).map(|(a, b)| (a - b).powi(2)).sum();
+/// assert!(error.sqrt() < 0.01);
+/// # Ok::<(), sh_core::Error>(())
+/// ```
+///
+/// Source: [KKP05](crate#references) section 3.
+#[derive(Clone, Debug)]
+pub struct Taylor<T> {
+    order: Order,
+    degree: TaylorDegree,
+    /// `D_i,i−1`, and a 0 at the end.
+    first: Vec<T>,
+    /// `½ (D²)_ii`
+    diagonal: Vec<T>,
+    /// `½ (D²)_i,i−2`, and two 0 at the end.
+    second: Vec<T>,
+}
+
+impl<T: Real> Taylor<T> {
+    /// Builds the tables, in `f64`.
+    pub fn new(order: Order, degree: TaylorDegree) -> Self {
+        let count = order.coeff_count();
+        let mut first = vec![0.0; count + 1];
+        for (l, band) in order.bands() {
+            let (l, size) = (l as isize, band.len());
+            for (m, first) in (-l..=l).zip(&mut first[band]).take(size) {
+                *first = coupling(l, m);
+            }
+        }
+        let diagonal = (0..count).map(|i| -0.5 * (first[i] * first[i] + first[i + 1] * first[i + 1]));
+        let second = (0..count + 2).map(|i| if (2..count).contains(&i) { 0.5 * first[i] * first[i - 1] } else { 0.0 });
+        Self {
+            order,
+            degree,
+            diagonal: diagonal.map(T::from_f64).collect(),
+            second: second.map(T::from_f64).collect(),
+            first: first.into_iter().map(T::from_f64).collect(),
+        }
+    }
+
+    /// The order of the expansions that it rotates.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// Where the polynomial ends.
+    pub fn degree(&self) -> TaylorDegree {
+        self.degree
+    }
+
+    /// Rotates an expansion, approximately: see the type. Does not allocate. α and γ are exact, whatever they are.
+    ///
+    /// - `zyz`: the rotation or mirror image
+    /// - `coeffs`: `[n²]`
+    /// - `out`: `[n²]`, overwritten
+    ///
+    /// # Panics
+    /// If a slice length does not match the order.
+    pub fn rotate(&self, zyz: &Zyz<T>, coeffs: &[T], out: &mut [T]) {
+        assert_length("coeffs", coeffs.len(), self.order.coeff_count());
+        assert_length("out", out.len(), self.order.coeff_count());
+        let [cos, sin] = zyz.beta;
+        let beta = sin.atan2(cos);
+        // Room for a band with two zeros on either side, and for the multiples of the angles.
+        match self.order.get() {
+            ..=16 => self.rotate_with::<35, 16>(zyz, beta, coeffs, out),
+            ..=64 => self.rotate_with::<131, 64>(zyz, beta, coeffs, out),
+            _ => self.rotate_with::<1027, 512>(zyz, beta, coeffs, out),
+        }
+        if zyz.inverted {
+            invert(self.order, out);
+        }
+    }
+
+    /// Turns an expansion about y alone, approximately.
+    ///
+    /// - `beta`: in radians
+    /// - `coeffs`: `[n²]`
+    /// - `out`: `[n²]`, overwritten
+    ///
+    /// # Panics
+    /// If a slice length does not match the order.
+    pub fn rotate_y(&self, beta: T, coeffs: &[T], out: &mut [T]) {
+        assert_length("coeffs", coeffs.len(), self.order.coeff_count());
+        assert_length("out", out.len(), self.order.coeff_count());
+        let mut padded = [T::ZERO; 2 * Order::MAX + 3];
+        for (l, band) in self.order.bands() {
+            let padded = &mut padded[..2 * l + 5];
+            padded[2..2 * l + 3].copy_from_slice(&coeffs[band.clone()]);
+            padded[2 * l + 3..].fill(T::ZERO);
+            self.turn_band(l, beta, padded, &mut out[band]);
+        }
+    }
+
+    #[inline(always)]
+    fn rotate_with<const ROOM: usize, const N: usize>(&self, zyz: &Zyz<T>, beta: T, coeffs: &[T], out: &mut [T]) {
+        let (alpha, gamma) = (self.multiples::<N>(zyz.alpha), self.multiples::<N>(zyz.gamma));
+        let (mut a, mut b) = ([T::ZERO; ROOM], [T::ZERO; ROOM]);
+        for (l, band) in self.order.bands() {
+            let size = band.len();
+            // The two behind the band are still 0: bands grow.
+            turn_z(l, &gamma, &coeffs[band.clone()], &mut a[2..size + 2]);
+            self.turn_band(l, beta, &a[..size + 4], &mut b[..size]);
+            turn_z(l, &alpha, &b[..size], &mut out[band]);
+        }
+    }
+
+    /// - `padded`: `[2l+5]`, the band between two zeros on either side
+    /// - `out`: `[2l+1]`
+    #[inline(always)]
+    fn turn_band(&self, l: usize, beta: T, padded: &[T], out: &mut [T]) {
+        let (start, size) = (l * l, 2 * l + 1);
+        let (padded, out) = (&padded[..size + 4], &mut out[..size]);
+        let first = &self.first[start..start + size + 1];
+        for i in 0..size {
+            out[i] = padded[i + 2] + beta * (first[i] * padded[i + 1] - first[i + 1] * padded[i + 3]);
+        }
+        if self.degree == TaylorDegree::One {
+            return;
+        }
+        let (beta2, diagonal) = (beta * beta, &self.diagonal[start..start + size]);
+        for i in 0..size {
+            out[i] += beta2 * (diagonal[i] * padded[i + 2]);
+        }
+        if self.degree == TaylorDegree::OneAndHalf {
+            return;
+        }
+        let second = &self.second[start..start + size + 2];
+        for i in 0..size {
+            out[i] += beta2 * (second[i] * padded[i] + second[i + 2] * padded[i + 4]);
+        }
+    }
+
+    #[inline(always)]
+    fn multiples<const N: usize>(&self, [c, s]: Turn<T>) -> [Turn<T>; N] {
+        let mut multiples = [[T::ONE, T::ZERO]; N];
+        for m in 1..self.order.get() {
+            let [cos, sin] = multiples[m - 1];
+            multiples[m] = [cos * c - sin * s, sin * c + cos * s];
+        }
+        multiples
+    }
+}
+
+/// `D_i,i−1` for `i = l(l+1) + m`.
+fn coupling(l: isize, m: isize) -> f64 {
+    let half_root = |lower: isize| 0.5 * Real::sqrt(((l - lower) * (l + lower + 1)) as f64);
+    match m {
+        // Between a sine and the cosine of 0 there is nothing, nor between bands.
+        0 => 0.0,
+        1 => -core::f64::consts::SQRT_2 * half_root(0),
+        2.. => -half_root(m - 1),
+        _ => half_root(-m),
+    }
+}
+
+/// One band.
+#[inline(always)]
+fn turn_z<T: Real>(l: usize, multiples: &[Turn<T>], band: &[T], out: &mut [T]) {
+    out[l] = band[l];
+    for (m, &[cos, sin]) in multiples.iter().enumerate().take(l + 1).skip(1) {
+        let (plus, minus) = (band[l + m], band[l - m]);
+        out[l + m] = cos * plus - sin * minus;
+        out[l - m] = sin * plus + cos * minus;
+    }
+}
+
+/// The angle up to which a Taylor polynomial of degree 1.5 keeps the error of an expansion of unit length below a tolerance:
+/// `2√tolerance / (n−1)`, in radians; infinite for n = 1.
+///
+/// The worst error is `¼((n−1)β)²` for small angles. It is an upper bound for degree 2 as well.
+///
+/// Source: the erratum to [KKP05](crate#references) on the crate's page.
+pub fn taylor_angle_limit<T: Real>(order: Order, tolerance: T) -> T {
+    (tolerance.sqrt() + tolerance.sqrt()) / T::from_f64((order.get() - 1) as f64)
+}
+
+/// The limit of the paper, for radiance caching: `1.25 a` radians, where `a` is the error that the cache allows itself. It
+/// keeps the share of approximate rotations constant in a scene; it does not know the order, and is no bound of the error.
+///
+/// Source: [KKP05](crate#references) Appendix B, with `R/r = 10`.
+pub fn radiance_cache_angle_limit<T: Real>(allowed_error: T) -> T {
+    T::from_f64(1.25) * allowed_error
+}
