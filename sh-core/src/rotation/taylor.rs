@@ -197,7 +197,7 @@ fn coupling(l: isize, m: isize) -> f64 {
     match m {
         // Between a sine and the cosine of 0 there is nothing, nor between bands.
         0 => 0.0,
-        1 => -core::f64::consts::SQRT_2 * half_root(0),
+        1 => -Real::sqrt((l * (l + 1)) as f64 / 2.0),
         2.. => -half_root(m - 1),
         _ => half_root(-m),
     }
