@@ -3,6 +3,7 @@
 mod error_against_order;
 mod error_against_rays;
 mod numbers;
+mod rotation_trade;
 
 use std::path::Path;
 
@@ -36,6 +37,11 @@ pub const RUNS: &[Run] = &[
         name: "prt/error-against-order",
         what: "share of the light of an environment that transfer of order 1 to 10 misses [MESH]",
         run: error_against_order::run,
+    },
+    Run {
+        name: "kkp/trade",
+        what: "rotation, exact and by Taylor polynomials: error against time, with a plot",
+        run: rotation_trade::run,
     },
 ];
 

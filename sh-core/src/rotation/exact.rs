@@ -103,7 +103,7 @@ impl<T: Real> ShRotation<T> {
     /// - `coeffs`: `[V, n²]`
     /// - `out`: `[V, n²]`, overwritten
     ///
-    /// The same sums as in [`ShRotation::apply`], in another order. For n > 16, and for what is left over of the last
+    /// The same sums as in [`ShRotation::apply`], in another order. For n > 10, and for what is left over of the last
     /// block, one vector after the other. Does not allocate.
     ///
     /// ```
@@ -139,7 +139,12 @@ impl<T: Real> ShRotation<T> {
     }
 
     fn run(&self, vectors: Vectors<'_, T>) {
-        dispatch::<T, _>(Many { order: self.order, matrices: &self.matrices, vectors });
+        dispatch::<T, _>(Many { order: self.order, matrices: self.matrices(), vectors });
+    }
+
+    /// Band after band, `[2l+1, 2l+1]` row-major.
+    pub(super) fn matrices(&self) -> &[T] {
+        &self.matrices
     }
 
     #[track_caller]

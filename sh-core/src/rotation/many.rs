@@ -196,3 +196,38 @@ fn multiply_rows<T: Real, V: Lanes<T>, const SIZE: usize, const R: usize>(
     }
     out.copy_from_slice(&sums);
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    extern crate std;
+
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::ShRotation;
+    use crate::simd::{Level, run_at};
+
+    #[test]
+    fn every_level_gives_the_same() {
+        for n in 1..=11 {
+            let order = Order::new(n).unwrap();
+            let (s, c) = (0.6, 0.8);
+            let rotation = ShRotation::<f64>::new(order, [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]);
+            let coeffs: Vec<f64> = (0..35 * n * n).map(|i| (1.0 + i as f64).sin()).collect();
+            let mut expected = vec![0.0; coeffs.len()];
+            rotation.apply_many(&coeffs, &mut expected);
+            for level in Level::available() {
+                let (mut out, mut in_place) = (vec![f64::NAN; coeffs.len()], coeffs.clone());
+                for vectors in [Vectors::Copied(&coeffs, &mut out), Vectors::InPlace(&mut in_place)] {
+                    run_at::<f64, _>(level, Many { order, matrices: rotation.matrices(), vectors });
+                }
+                for found in [out, in_place] {
+                    let differs = found.iter().zip(&expected).position(|(a, b)| a.is_nan() || (a - b).abs() > 4e-15);
+                    assert_eq!(differs, None, "n = {n}, {level:?}");
+                }
+            }
+        }
+    }
+}

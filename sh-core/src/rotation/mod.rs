@@ -23,7 +23,7 @@ pub use about_z::rotate_z;
 pub use exact::ShRotation;
 #[cfg(feature = "alloc")]
 pub(crate) use exact::rotate_channels;
-pub use quad::Quads;
+pub(crate) use quad::Quads;
 #[cfg(feature = "alloc")]
 pub use tables::Zxzxz;
 #[cfg(feature = "alloc")]

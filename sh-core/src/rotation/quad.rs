@@ -14,7 +14,7 @@ use crate::Real;
 /// Four numbers.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(16))]
-pub struct Quad<T>(pub(super) [T; 4]);
+pub(crate) struct Quad<T>(pub(super) [T; 4]);
 
 impl<T: Real> Add for Quad<T> {
     type Output = Self;

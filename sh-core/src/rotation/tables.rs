@@ -76,7 +76,7 @@ impl<T: Real> Zxzxz<T> {
         // Room for the quads of the last band.
         match self.order.get() {
             ..=32 => self.rotate_with::<16>(zyz, coeffs, out),
-            ..=128 => self.rotate_with::<64>(zyz, coeffs, out),
+            33..=128 => self.rotate_with::<64>(zyz, coeffs, out),
             _ => self.rotate_with::<256>(zyz, coeffs, out),
         }
         if zyz.inverted {
@@ -129,7 +129,7 @@ fn fill_band<T: Real>(l: usize, factors: &mut [Quad<T>]) {
             quads[0].0[3] = T::ZERO;
         }
         if k == 0 {
-            let sine = if l % 2 == 0 { from_odd } else { from_even };
+            let sine = if l.is_multiple_of(2) { from_odd } else { from_even };
             quads.iter_mut().for_each(|quad| quad.0[sine] = T::ZERO);
         }
     }

@@ -113,7 +113,7 @@ impl<T: Real> Taylor<T> {
         // Room for a band with two zeros on either side, and for the multiples of the angles.
         match self.order.get() {
             ..=16 => self.rotate_with::<35, 16>(zyz, beta, coeffs, out),
-            ..=64 => self.rotate_with::<131, 64>(zyz, beta, coeffs, out),
+            17..=64 => self.rotate_with::<131, 64>(zyz, beta, coeffs, out),
             _ => self.rotate_with::<1027, 512>(zyz, beta, coeffs, out),
         }
         if zyz.inverted {
