@@ -40,4 +40,10 @@ pub enum Error {
         /// The index of the first coefficient that follows from none of the samples and the coefficients before it.
         index: usize,
     },
+    /// There is no such sky in the CIE standard.
+    #[error("sky type {given} is not in 1..=15")]
+    SkyType {
+        /// The type asked for.
+        given: u8,
+    },
 }

@@ -71,7 +71,7 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], projection, and reconstruction of maps |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], projection, reconstruction of maps, [`polygon_light`], skies |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
 //!
 //! One of `std` and `libm` is needed.
@@ -109,6 +109,22 @@
 //!   <https://doi.org/10.1145/383259.383317>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
+//! - **\[DLMF\]** *NIST Digital Library of Mathematical Functions.* <https://dlmf.nist.gov>.
+//! - **\[RH02\]** R. Ramamoorthi, P. Hanrahan. *Frequency Space Environment Map Rendering.* ACM Transactions on Graphics
+//!   21(3) (SIGGRAPH), 2002.
+//! - **\[Bue04\]** T. Bülow. *Spherical Diffusion for 3D Surface Smoothing.* IEEE Transactions on Pattern Analysis and
+//!   Machine Intelligence 26(12), 2004.
+//! - **\[HSRG07\]** C. Han, B. Sun, R. Ramamoorthi, E. Grinspun. *Frequency Domain Normal Map Filtering.* ACM Transactions on
+//!   Graphics 26(3) (SIGGRAPH), 2007. <http://www.cs.columbia.edu/cg/normalmap/>.
+//! - **\[WRGSG09\]** J. Wang, P. Ren, M. Gong, J. Snyder, B. Guo. *All-Frequency Rendering of Dynamic, Spatially-Varying
+//!   Reflectance.* ACM Transactions on Graphics 28(5) (SIGGRAPH Asia), 2009. <https://doi.org/10.1145/1618452.1618479>.
+//! - **\[WMLT07\]** B. Walter, S. Marschner, H. Li, K. Torrance. *Microfacet Models for Refraction through Rough Surfaces.*
+//!   Eurographics Symposium on Rendering, 2007. <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
+//! - **\[MS42\]** P. Moon, D. Spencer. *Illumination from a Non-Uniform Sky.* Transactions of the Illuminating Engineering
+//!   Society 37, 1942.
+//! - **\[CIE03\]** *Spatial Distribution of Daylight: CIE Standard General Sky.* CIE S 011/E:2003, ISO 15469:2004.
+//! - **\[WR18\]** J. Wang, R. Ramamoorthi. *Analytic Spherical Harmonic Coefficients for Polygonal Area Lights.* ACM
+//!   Transactions on Graphics 37(4) (SIGGRAPH), 2018. <https://doi.org/10.1145/3197517.3201291>.
 
 #![no_std]
 #![cfg_attr(
@@ -125,14 +141,18 @@ extern crate std;
 compile_error!("sh-core needs floating-point functions: enable its feature `std` (the default) or `libm`");
 
 mod basis;
+mod direction;
 mod error;
 mod expansion;
+mod extract;
+mod light;
 mod maps;
 mod order;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
 mod rotation;
+#[cfg_attr(not(feature = "alloc"), allow(dead_code, reason = "a scalar is one lane; wider ones are for batches"))]
 mod simd;
 #[cfg(feature = "alloc")]
 mod sphere;
@@ -145,6 +165,17 @@ pub use basis::{BLOCK, Basis, BasisGradient};
 pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
 pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
+#[cfg(feature = "alloc")]
+pub use extract::irradiance;
+pub use extract::{
+    DominantLight, band_energy, dominant_direction, dominant_light, irradiance_from_radiance, irradiance_matrices,
+};
+#[cfg(feature = "alloc")]
+pub use light::{CieSky, cie_sky, clear_sky, polygon_light};
+pub use light::{
+    ambient_light, cone_light, directional_light, directional_light_normalised, disk_light, hemisphere_light,
+    overcast_sky, sphere_light,
+};
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
@@ -157,7 +188,13 @@ pub use rotation::{Zyz, rotate, rotate_quaternion, rotate_z, rotate_zyz};
 pub use sphere::{Quadrature, fibonacci};
 pub use vector::{dot, scale_bands};
 pub use window::hanning;
-pub use zonal::{clamped_cosine, convolve, expand_lobe, expand_zonal, lobe_from_zonal, zonal_from_lobe};
+#[cfg(feature = "alloc")]
+pub use zonal::project_zonal;
+pub use zonal::{
+    cap_kernel, clamped_cosine, clamped_cosine_power, convolve, expand_lobe, expand_zonal, fit_lobe_about_axis,
+    gaussian_kernel, ggx_kernel, linear_axis, lobe_from_zonal, lobe_value, phong_kernel, spherical_cap,
+    spherical_gaussian, von_mises_fisher_kernel, zonal_from_lobe, zonal_value,
+};
 
 #[cfg(all(doctest, feature = "std"))]
 #[doc = include_str!("../README.md")]

@@ -71,6 +71,12 @@ pub trait Real:
     fn atan2(self, x: Self) -> Self;
     /// `sqrt(self² + other²)` without overflow or underflow on the way.
     fn hypot(self, other: Self) -> Self;
+    /// `e` to this power.
+    fn exp(self) -> Self;
+    /// `exp(self) − 1` without cancellation near zero.
+    fn exp_m1(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
@@ -92,7 +98,8 @@ macro_rules! float {
 }
 
 macro_rules! impl_real {
-    ($float:ident, $sqrt:ident, $sin:ident, $cos:ident, $atan2:ident, $hypot:ident) => {
+    ($float:ident, $sqrt:ident, $sin:ident, $cos:ident, $atan2:ident, $hypot:ident,
+     $exp:ident, $exp_m1:ident, $ln:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -126,6 +133,18 @@ macro_rules! impl_real {
             fn hypot(self, other: Self) -> Self {
                 float!($float::hypot, $hypot, self, other)
             }
+            #[inline]
+            fn exp(self) -> Self {
+                float!($float::exp, $exp, self)
+            }
+            #[inline]
+            fn exp_m1(self) -> Self {
+                float!($float::exp_m1, $exp_m1, self)
+            }
+            #[inline]
+            fn ln(self) -> Self {
+                float!($float::ln, $ln, self)
+            }
             #[inline(always)]
             fn abs(self) -> Self {
                 $float::abs(self)
@@ -138,5 +157,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, sqrtf, sinf, cosf, atan2f, hypotf);
-impl_real!(f64, sqrt, sin, cos, atan2, hypot);
+impl_real!(f32, sqrtf, sinf, cosf, atan2f, hypotf, expf, expm1f, logf);
+impl_real!(f64, sqrt, sin, cos, atan2, hypot, exp, expm1, log);

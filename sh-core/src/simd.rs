@@ -23,6 +23,13 @@ use core::ops::{Add, Mul, Neg, Sub};
 use crate::Real;
 
 /// Numbers that are worked on at once.
+#[cfg_attr(
+    not(all(target_arch = "x86_64", feature = "std")),
+    allow(
+        unreachable_pub,
+        reason = "public in name as the bound of the registers of a sealed trait, where there are some"
+    )
+)]
 pub trait Lanes<T>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + core::fmt::Debug
 {
@@ -44,6 +51,9 @@ pub trait Lanes<T>:
     fn select_less(self, other: Self, then: Self, otherwise: Self) -> Self;
     /// The components of the first [`Self::WIDTH`] directions. Panics if there are fewer.
     fn load_directions(directions: &[[T; 3]]) -> [Self; 3];
+    /// Asks for memory that will be written soon.
+    #[inline(always)]
+    fn prefetch(_: &mut [T]) {}
     /// Writes lane `d` of `rows[j]` to `out[d · stride + j]`. Panics if `out` ends before that.
     fn store_transposed(rows: &[Self], stride: usize, out: &mut [T]);
     /// Reads `values[d · stride + j]` into lane `d` of `rows[j]`. Panics if `values` ends before that.
@@ -103,7 +113,7 @@ pub(crate) fn dispatch<T: Real, K: Kernel<T>>(kernel: K) -> K::Output {
 
 /// Runs a kernel at a level. One that the machine does not have is replaced by the portable one.
 #[inline]
-#[cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "see the head of this module"))]
+#[cfg_attr(all(target_arch = "x86_64", feature = "std"), expect(unsafe_code, reason = "see the head of this module"))]
 pub(crate) fn run_at<T: Real, K: Kernel<T>>(level: Level, kernel: K) -> K::Output {
     match level {
         // SAFETY: the features that the function is compiled for are detected right here.
@@ -410,6 +420,9 @@ mod x86 {
         _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high)
     }
 
+    /// Bytes in a line of the caches.
+    const LINE: usize = 64;
+
     /// Rows beyond whole squares that are worth no square more.
     const FEW_ROWS: usize = 1;
 
@@ -521,6 +534,13 @@ mod x86 {
                     let directions = directions.first_chunk::<$width>().expect("a direction for every lane");
                     // SAFETY: the feature is there, see the head of the module.
                     unsafe { $directions(directions) }.map(Self)
+                }
+                #[inline(always)]
+                fn prefetch(out: &mut [$scalar]) {
+                    for line in out.chunks(LINE / size_of::<$scalar>()) {
+                        // SAFETY: reads and writes nothing.
+                        unsafe { _mm_prefetch::<_MM_HINT_ET0>(line.as_ptr().cast()) };
+                    }
                 }
                 #[inline(always)]
                 fn store_transposed(rows: &[Self], stride: usize, out: &mut [$scalar]) {

@@ -146,11 +146,11 @@ fn factor(matrix: &mut [f64], count: usize) -> Result<(), usize> {
             row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
         }
         let pivot = row[i] - dot(&row[..i], &row[..i]);
-        // A NaN is lost too.
-        if !(pivot > LOST_PIVOT * row[i]) {
-            return Err(i);
-        }
-        row[i] = Real::sqrt(pivot);
+        row[i] = match pivot > LOST_PIVOT * row[i] {
+            true => Real::sqrt(pivot),
+            // A NaN is lost too.
+            false => return Err(i),
+        };
     }
     Ok(())
 }
@@ -164,7 +164,7 @@ fn solve(factor: &[f64], x: &mut [f64]) {
     }
     for i in (0..count).rev() {
         let row = &factor[i * count..];
-        x[i] = x[i] / row[i];
+        x[i] /= row[i];
         let (below, value) = x.split_at_mut(i);
         below.iter_mut().zip(row).for_each(|(x, l)| *x -= l * value[0]);
     }

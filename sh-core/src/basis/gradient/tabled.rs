@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::super::batch::{BLOCK, BlockLanes, Groups, store_rows};
+use super::super::batch::{BLOCK, BlockLanes, Groups, prefetch_ahead, store_rows};
 use super::super::recurrence::{self, Tabled};
 use super::super::{Basis, Sink, Tables, Values, unrolled};
 use super::{Computed, Factors, hessian_from_values, small_tangent_gradient, tangent_gradient};
@@ -177,6 +177,8 @@ struct Rows<'a, T> {
 impl<T: Real, V: Lanes<T>> Output<T, V> for Rows<'_, T> {
     #[inline(always)]
     fn put(&mut self, group: Range<usize>, y: &[V], gradient: &[V]) {
+        prefetch_ahead::<T, V>(self.values, y.len(), &group);
+        prefetch_ahead::<T, V>(self.gradients, gradient.len(), &group);
         store_rows(y, &mut self.values[group.start * y.len()..group.end * y.len()]);
         store_rows(gradient, &mut self.gradients[group.start * gradient.len()..group.end * gradient.len()]);
     }
@@ -220,7 +222,7 @@ macro_rules! impl_kernel {
             fn run<V: Lanes<T>>(self) {
                 match self.tables {
                     Tables::Native(tables) => self.run_tabled::<V>(tables),
-                    _ => small_order!(self.order, N => self.run_small::<V, N>(), else unreachable!("small orders have no tables")),
+                    _ => { small_order!(self.order, N => self.run_small::<V, N>(), else unreachable!("small orders have no tables")); }
                 }
             }
         }

@@ -1,6 +1,22 @@
 //! Zonal functions: one coefficient per band, symmetric about +z or about an axis.
 
+mod axis;
+mod ggx;
+mod kernel;
+mod legendre;
+mod ratio;
+mod value;
+mod von_mises_fisher;
+
 use core::f64::consts::PI;
+
+pub use axis::{fit_lobe_about_axis, linear_axis};
+pub use ggx::ggx_kernel;
+pub use kernel::{cap_kernel, clamped_cosine, clamped_cosine_power, gaussian_kernel, phong_kernel, spherical_cap};
+#[cfg(feature = "alloc")]
+pub use value::project_zonal;
+pub use value::{lobe_value, zonal_value};
+pub use von_mises_fisher::{spherical_gaussian, von_mises_fisher_kernel};
 
 use crate::order::assert_length;
 use crate::{Order, Real, eval};
@@ -8,42 +24,6 @@ use crate::{Order, Real, eval};
 /// `√(4π/(2l+1))`: turns a zonal coefficient into a lobe coefficient, and a kernel into the factor of a convolution.
 fn lobe_factor(l: usize) -> f64 {
     Real::sqrt(4.0 * PI / (2 * l + 1) as f64)
-}
-
-/// The zonal coefficients of the clamped cosine `max(z, 0)` about +z, for any number of bands.
-///
-/// ```text
-/// g_0 = √π/2     g_1 = √(π/3)     g_l = 0 for odd l > 1
-/// g_l = √(π(2l+1)) (−1)^(l/2−1) / ((l+2)(l−1)) · l! / (2^l ((l/2)!)²)   for even l
-/// ```
-///
-/// - `zonal`: `[n]`, overwritten
-///
-/// There is no `1/π` in it: [`convolve`] with it turns radiance into irradiance, and a constant light of radiance 1 into π.
-///
-/// ```
-/// let mut zonal = [0.0_f64; 3];
-/// sh_core::clamped_cosine(&mut zonal);
-/// assert!((zonal[0] - std::f64::consts::PI.sqrt() / 2.0).abs() < 1e-15);
-/// ```
-///
-/// Source: [RH01](crate#references) eq. 7-9, in our normalisation.
-pub fn clamped_cosine<T: Real>(zonal: &mut [T]) {
-    // l!/(2^l ((l/2)!)²) with its sign, for even l: 1 at l = 0, times −(l−1)/l from l−2 to l.
-    let mut ratio = 1.0;
-    for (l, g) in zonal.iter_mut().enumerate() {
-        let lf = l as f64;
-        let integral = match l {
-            1 => 1.0 / 3.0,
-            _ if l % 2 == 1 => 0.0,
-            0 => 0.5,
-            _ => {
-                ratio *= -(lf - 1.0) / lf;
-                -ratio / ((lf + 2.0) * (lf - 1.0))
-            }
-        };
-        *g = T::from_f64(integral * Real::sqrt(PI * (2.0 * lf + 1.0)));
-    }
 }
 
 /// Expands a zonal function about an axis.
