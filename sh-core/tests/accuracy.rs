@@ -76,7 +76,9 @@ fn small_orders_are_right_to_rounding() {
 
 #[test]
 fn f32_is_right_to_order_65_and_beyond() {
-    for (n, limit) in [(11, 2e-6), (20, 2e-6), (32, 2e-6), (65, 4e-6), (89, 5e-6), (128, 6e-6), (129, 5e-7), (501, 5e-7)] {
+    for (n, limit) in
+        [(11, 2e-6), (20, 2e-6), (32, 2e-6), (65, 4e-6), (89, 5e-6), (128, 6e-6), (129, 5e-7), (501, 5e-7)]
+    {
         // From order 129 on the recurrence runs in f64: what is left is the rounding of the values, up to 9.
         let basis = Basis::<f32>::new(Order::new(n).unwrap());
         let error = worst::<f32>(n, &[0.0, 0.3, 4.0], |direction, y| basis.eval(direction, y));

@@ -172,13 +172,13 @@ fn quad(l: usize, i: usize, j: usize) -> [f64; 4] {
     let (even, odd) = (2 * i, 2 * i + 1);
     let (from_even, from_odd) = (2 * j, 2 * j + 1);
     // In even bands cosines of odd m and sines of even m change places, in odd bands the others.
-    let to = if l % 2 == 0 { [even, even, odd, odd] } else { [odd, odd, even, even] };
+    let to = if l.is_multiple_of(2) { [even, even, odd, odd] } else { [odd, odd, even, even] };
     let mut factors = [0, 1, 2, 3].map(|lane| entry(l, to[lane], [from_even, from_odd, from_odd, from_even][lane]));
     // There is no sine of m = 0.
     if j == 0 {
         factors[3] = 0.0;
     }
-    let sine = if l % 2 == 0 { 1 } else { 3 };
+    let sine = if l.is_multiple_of(2) { 1 } else { 3 };
     if i == 0 && to[sine] == 0 {
         factors[sine] = 0.0;
     }
@@ -192,7 +192,7 @@ fn entry(l: usize, to: usize, from: usize) -> f64 {
     }
     let twice = |m: usize| if m == 0 { 1.0 } else { 2.0 };
     let minus = (l - from) + from / 2 + to / 2 + usize::from(l % 2 == 1 && (to + from) % 2 == 1);
-    let sign = if minus % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if minus.is_multiple_of(2) { 1.0 } else { -1.0 };
     sign * quarter_turn(l, to, from, twice(to) * twice(from))
 }
 
@@ -201,8 +201,8 @@ fn quarter_turn(l: usize, to: usize, from: usize, scale: f64) -> f64 {
     // 2^-l Σ_k (−1)^(k+to−from) C(l+from, k) C(l−from, l−to−k)  √( (l+to)! (l−to)! / ((l+from)! (l−from)!) )
     let sum: i128 = (0..=l - to)
         .map(|k| {
-            let other = (l - to - k) as usize;
-            let sign = if (l - from + other) % 2 == 0 { 1 } else { -1 };
+            let other = l - to - k;
+            let sign = if (l - from + other).is_multiple_of(2) { 1 } else { -1 };
             sign * binomial(l + from, k) * binomial(l - from, other)
         })
         .sum();
