@@ -154,7 +154,7 @@ fn factors_are_stable_up_to_the_largest_order() {
     let matrix = zyz([0.3, 1.1, -2.0]);
     let error = error_of_basis(order, matrix, |f, out| rotate(order, matrix, f, out));
     println!("n = 512: {error:e}");
-    assert!(error < 5e-13, "{error:e}");
+    assert!(error < 2e-13, "{error:e}");
 }
 
 #[test]

@@ -32,27 +32,33 @@ use crate::{Order, Real};
 pub fn rotate_z<T: Real>(order: Order, turn: [T; 2], coeffs: &[T], out: &mut [T]) {
     assert_length("coeffs", coeffs.len(), order.coeff_count());
     assert_length("out", out.len(), order.coeff_count());
-    for (l, band) in order.bands() {
-        out[band.start + l] = coeffs[band.start + l];
-    }
+    out.copy_from_slice(coeffs);
+    turn_in_place(order, turn, out);
+}
+
+/// The same in place.
+#[inline]
+pub(super) fn turn_in_place<T: Real>(order: Order, turn: Turn<T>, coeffs: &mut [T]) {
     let mut multiple = turn;
     for m in 1..order.get() {
-        turn_column(m, multiple, coeffs, out);
+        turn_column(m, multiple, coeffs);
         multiple = sum(multiple, turn);
     }
 }
 
 /// All bands of `±m`.
 #[inline]
-fn turn_column<T: Real>(m: usize, [cos, sin]: Turn<T>, coeffs: &[T], out: &mut [T]) {
+fn turn_column<T: Real>(m: usize, [cos, sin]: Turn<T>, coeffs: &mut [T]) {
     let mut l = m;
-    let mut center = l * (l + 1);
-    while let Some(&plus) = coeffs.get(center + m) {
-        let minus = coeffs[center - m];
-        out[center + m] = cos * plus - sin * minus;
-        out[center - m] = sin * plus + cos * minus;
+    // From −m to m there are 2m + 1 coefficients, and from one band's to the next one's 2l + 2.
+    let mut rest = &mut coeffs[m * m..];
+    while rest.len() > 2 * m {
+        let (minus, plus) = (rest[0], rest[2 * m]);
+        rest[2 * m] = cos * plus - sin * minus;
+        rest[0] = sin * plus + cos * minus;
+        let step = rest.len().min(2 * l + 2);
+        rest = &mut rest[step..];
         l += 1;
-        center = l * (l + 1);
     }
 }
 

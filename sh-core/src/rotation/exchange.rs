@@ -31,14 +31,17 @@ pub(super) struct Rows {
     last: f64,
     /// `√((l−m)(l+m+1))`, which couples m and m + 1.
     couplings: [f64; ROOM],
+    /// Their reciprocals.
+    inverses: [f64; ROOM],
 }
 
 impl Rows {
     /// The rows of band `l`, from `k = 0`.
     pub(super) fn new(l: usize) -> Self {
-        let mut rows = Self { l, k: 0, last: 1.0, couplings: [0.0; ROOM] };
-        for m in 0..=l {
+        let mut rows = Self { l, k: 0, last: 1.0, couplings: [0.0; ROOM], inverses: [0.0; ROOM] };
+        for m in 0..l {
             rows.couplings[m] = Real::sqrt(((l - m) * (l + m + 1)) as f64);
+            rows.inverses[m] = 1.0 / rows.couplings[m];
         }
         // 2^−2l C(2l, l) = Π (2i−1)/(2i)
         let square: f64 = (1..=l).map(|i| 1.0 - 0.5 / i as f64).product();
@@ -50,11 +53,12 @@ impl Rows {
     pub(super) fn next(&mut self, row: &mut [f64]) {
         let (l, k) = (self.l, self.k);
         row[l] = self.last;
-        let mut above = 0.0;
+        let (twice, mut above, mut here) = (2.0 * k as f64, 0.0, self.last);
         for m in (1..=l).rev() {
-            let coupled = if m == l { 0.0 } else { self.couplings[m] * above };
-            above = row[m];
-            row[m - 1] = -(2.0 * k as f64 * row[m] + coupled) / self.couplings[m - 1];
+            // There is no coupling at m = l.
+            let below = -(twice * here + self.couplings[m] * above) * self.inverses[m - 1];
+            (above, here) = (here, below);
+            row[m - 1] = below;
         }
         for (m, entry) in row[..=l].iter_mut().enumerate() {
             *entry *= factor(l, k, m);

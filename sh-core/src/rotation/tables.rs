@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::exchange::Rows;
 use super::quad::Quad;
-use super::zxzxz::{invert, multiples};
+use super::zxzxz::invert;
 use super::zyz::{Turn, Zyz};
 use crate::order::assert_length;
 use crate::{Order, Real};
@@ -75,7 +75,8 @@ impl<T: Real> Zxzxz<T> {
         assert_length("out", out.len(), self.order.coeff_count());
         // Room for the quads of the last band.
         match self.order.get() {
-            ..=32 => self.rotate_with::<16>(zyz, coeffs, out),
+            ..=10 => self.rotate_with::<5>(zyz, coeffs, out),
+            11..=32 => self.rotate_with::<16>(zyz, coeffs, out),
             33..=128 => self.rotate_with::<64>(zyz, coeffs, out),
             _ => self.rotate_with::<256>(zyz, coeffs, out),
         }
@@ -155,12 +156,16 @@ struct Turns<T, const K: usize> {
 }
 
 impl<T: Real, const K: usize> Turns<T, K> {
-    fn new(order: Order, [c, s]: Turn<T>) -> Self {
-        let multiples = multiples([c.to_f64(), s.to_f64()], order.get());
+    fn new(order: Order, turn: Turn<T>) -> Self {
+        let [c, s] = turn.map(T::to_f64);
         let mut turns = Self { cos: [Quad::ZERO; K], sin: [Quad::ZERO; K] };
-        for (i, pair) in multiples[..order.get()].chunks(2).enumerate() {
-            let [[c, s], [d, t]] = [pair[0], *pair.get(1).unwrap_or(&[0.0; 2])].map(|pair| pair.map(T::from_f64));
-            (turns.cos[i], turns.sin[i]) = (Quad([c, d, d, c]), Quad([-s, -t, t, s]));
+        let (mut cos, mut sin) = (1.0, 0.0);
+        for i in 0..order.get().div_ceil(2) {
+            let [odd_cos, odd_sin] = [cos * c - sin * s, sin * c + cos * s];
+            let [c_even, c_odd, s_even, s_odd] = [cos, odd_cos, sin, odd_sin].map(T::from_f64);
+            (turns.cos[i], turns.sin[i]) =
+                (Quad([c_even, c_odd, c_odd, c_even]), Quad([-s_even, -s_odd, s_odd, s_even]));
+            (cos, sin) = (odd_cos * c - odd_sin * s, odd_sin * c + odd_cos * s);
         }
         turns
     }

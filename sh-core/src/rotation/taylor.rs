@@ -3,10 +3,14 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use super::about_z::turn_in_place;
 use super::zxzxz::invert;
-use super::zyz::{Turn, Zyz};
+use super::zyz::Zyz;
 use crate::order::assert_length;
 use crate::{Order, Real};
+
+/// The largest order whose bands are all worked on together, on the stack.
+const SMALL_ORDER: usize = 10;
 
 /// Where the Taylor polynomial of `Y(β)` at 0 ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,6 +102,7 @@ impl<T: Real> Taylor<T> {
     }
 
     /// Rotates an expansion, approximately: see the type. Does not allocate. α and γ are exact, whatever they are.
+    /// Infinite or NaN coefficients may spoil the ends of the next bands too.
     ///
     /// - `zyz`: the rotation or mirror image
     /// - `coeffs`: `[n²]`
@@ -109,13 +114,10 @@ impl<T: Real> Taylor<T> {
         assert_length("coeffs", coeffs.len(), self.order.coeff_count());
         assert_length("out", out.len(), self.order.coeff_count());
         let [cos, sin] = zyz.beta;
-        let beta = sin.atan2(cos);
-        // Room for a band with two zeros on either side, and for the multiples of the angles.
-        match self.order.get() {
-            ..=16 => self.rotate_with::<35, 16>(zyz, beta, coeffs, out),
-            17..=64 => self.rotate_with::<131, 64>(zyz, beta, coeffs, out),
-            _ => self.rotate_with::<1027, 512>(zyz, beta, coeffs, out),
-        }
+        out.copy_from_slice(coeffs);
+        turn_in_place(self.order, zyz.gamma, out);
+        self.turn_y(sin.atan2(cos), out);
+        turn_in_place(self.order, zyz.alpha, out);
         if zyz.inverted {
             invert(self.order, out);
         }
@@ -132,62 +134,46 @@ impl<T: Real> Taylor<T> {
     pub fn rotate_y(&self, beta: T, coeffs: &[T], out: &mut [T]) {
         assert_length("coeffs", coeffs.len(), self.order.coeff_count());
         assert_length("out", out.len(), self.order.coeff_count());
-        let mut padded = [T::ZERO; 2 * Order::MAX + 3];
-        for (l, band) in self.order.bands() {
-            let padded = &mut padded[..2 * l + 5];
-            padded[2..2 * l + 3].copy_from_slice(&coeffs[band.clone()]);
-            padded[2 * l + 3..].fill(T::ZERO);
-            self.turn_band(l, beta, padded, &mut out[band]);
+        out.copy_from_slice(coeffs);
+        self.turn_y(beta, out);
+    }
+
+    /// In place. Bands do not mix, whether they are worked on together or one by one.
+    fn turn_y(&self, beta: T, coeffs: &mut [T]) {
+        if self.order.get() <= SMALL_ORDER {
+            self.turn_part::<{ SMALL_ORDER * SMALL_ORDER + 4 }>(beta, 0, coeffs);
+            return;
+        }
+        for (_, band) in self.order.bands() {
+            self.turn_part::<{ 2 * Order::MAX + 3 }>(beta, band.start, &mut coeffs[band]);
         }
     }
 
+    /// Some whole bands, from the coefficient `start` on; `ROOM` is for them and two zeros on either side.
     #[inline(always)]
-    fn rotate_with<const ROOM: usize, const N: usize>(&self, zyz: &Zyz<T>, beta: T, coeffs: &[T], out: &mut [T]) {
-        let (alpha, gamma) = (self.multiples::<N>(zyz.alpha), self.multiples::<N>(zyz.gamma));
-        let (mut a, mut b) = ([T::ZERO; ROOM], [T::ZERO; ROOM]);
-        for (l, band) in self.order.bands() {
-            let size = band.len();
-            // The two behind the band are still 0: bands grow.
-            turn_z(l, &gamma, &coeffs[band.clone()], &mut a[2..size + 2]);
-            self.turn_band(l, beta, &a[..size + 4], &mut b[..size]);
-            turn_z(l, &alpha, &b[..size], &mut out[band]);
-        }
-    }
-
-    /// - `padded`: `[2l+5]`, the band between two zeros on either side
-    /// - `out`: `[2l+1]`
-    #[inline(always)]
-    fn turn_band(&self, l: usize, beta: T, padded: &[T], out: &mut [T]) {
-        let (start, size) = (l * l, 2 * l + 1);
-        let (padded, out) = (&padded[..size + 4], &mut out[..size]);
+    fn turn_part<const ROOM: usize>(&self, beta: T, start: usize, part: &mut [T]) {
+        let size = part.len();
+        let mut padded = [T::ZERO; ROOM];
+        padded[2..size + 2].copy_from_slice(part);
+        let padded = &padded[..size + 4];
         let first = &self.first[start..start + size + 1];
         for i in 0..size {
-            out[i] = padded[i + 2] + beta * (first[i] * padded[i + 1] - first[i + 1] * padded[i + 3]);
+            part[i] = padded[i + 2] + beta * (first[i] * padded[i + 1] - first[i + 1] * padded[i + 3]);
         }
         if self.degree == TaylorDegree::One {
             return;
         }
         let (beta2, diagonal) = (beta * beta, &self.diagonal[start..start + size]);
         for i in 0..size {
-            out[i] += beta2 * (diagonal[i] * padded[i + 2]);
+            part[i] += beta2 * (diagonal[i] * padded[i + 2]);
         }
         if self.degree == TaylorDegree::OneAndHalf {
             return;
         }
         let second = &self.second[start..start + size + 2];
         for i in 0..size {
-            out[i] += beta2 * (second[i] * padded[i] + second[i + 2] * padded[i + 4]);
+            part[i] += beta2 * (second[i] * padded[i] + second[i + 2] * padded[i + 4]);
         }
-    }
-
-    #[inline(always)]
-    fn multiples<const N: usize>(&self, [c, s]: Turn<T>) -> [Turn<T>; N] {
-        let mut multiples = [[T::ONE, T::ZERO]; N];
-        for m in 1..self.order.get() {
-            let [cos, sin] = multiples[m - 1];
-            multiples[m] = [cos * c - sin * s, sin * c + cos * s];
-        }
-        multiples
     }
 }
 
@@ -200,17 +186,6 @@ fn coupling(l: isize, m: isize) -> f64 {
         1 => -Real::sqrt((l * (l + 1)) as f64 / 2.0),
         2.. => -half_root(m - 1),
         _ => half_root(-m),
-    }
-}
-
-/// One band.
-#[inline(always)]
-fn turn_z<T: Real>(l: usize, multiples: &[Turn<T>], band: &[T], out: &mut [T]) {
-    out[l] = band[l];
-    for (m, &[cos, sin]) in multiples.iter().enumerate().take(l + 1).skip(1) {
-        let (plus, minus) = (band[l + m], band[l - m]);
-        out[l + m] = cos * plus - sin * minus;
-        out[l - m] = sin * plus + cos * minus;
     }
 }
 

@@ -111,7 +111,7 @@ fn rotate_any<T: Real>(order: Order, zyz: &Zyz<T>, coeffs: &[T], out: &mut [T]) 
 }
 
 /// Cosines and sines of the multiples of an angle, `count` from 0.
-pub(super) fn multiples([c, s]: Turn<f64>, count: usize) -> [[f64; 2]; Order::MAX] {
+fn multiples([c, s]: Turn<f64>, count: usize) -> [[f64; 2]; Order::MAX] {
     let mut multiples = [[1.0, 0.0]; Order::MAX];
     for m in 1..count {
         let [cos, sin] = multiples[m - 1];
