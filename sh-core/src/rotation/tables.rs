@@ -112,7 +112,8 @@ impl<T: Real> Zxzxz<T> {
     }
 }
 
-/// Spreads the rows of the exchange over the lanes of the quads.
+/// Spreads the rows of the exchange over the lanes of the quads. There is no sine of m = 0, but its entries are 0 anyway, because
+/// `d_k0(π/2)` is for odd `l + k`.
 fn fill_band<T: Real>(l: usize, factors: &mut [Quad<T>]) {
     let mut rows = Rows::new(l);
     let mut row = vec![0.0; l + 2];
@@ -124,14 +125,6 @@ fn fill_band<T: Real>(l: usize, factors: &mut [Quad<T>]) {
         for (quad, entries) in quads.iter_mut().zip(row.chunks(2)) {
             quad.0[from_even] = T::from_f64(entries[0]);
             quad.0[from_odd] = T::from_f64(*entries.get(1).unwrap_or(&0.0));
-        }
-        // There is no sine of m = 0: nothing comes from it, nothing goes there.
-        if from_even == 3 {
-            quads[0].0[3] = T::ZERO;
-        }
-        if k == 0 {
-            let sine = if l.is_multiple_of(2) { from_odd } else { from_even };
-            quads.iter_mut().for_each(|quad| quad.0[sine] = T::ZERO);
         }
     }
 }

@@ -141,21 +141,23 @@ impl<T: Real> Taylor<T> {
     /// In place. Bands do not mix, whether they are worked on together or one by one.
     fn turn_y(&self, beta: T, coeffs: &mut [T]) {
         if self.order.get() <= SMALL_ORDER {
-            self.turn_part::<{ SMALL_ORDER * SMALL_ORDER + 4 }>(beta, 0, coeffs);
-            return;
+            let mut padded = [T::ZERO; SMALL_ORDER * SMALL_ORDER + 4];
+            return self.turn_part(beta, 0, coeffs, &mut padded);
         }
+        let mut padded = [T::ZERO; 2 * Order::MAX + 3];
         for (_, band) in self.order.bands() {
-            self.turn_part::<{ 2 * Order::MAX + 3 }>(beta, band.start, &mut coeffs[band]);
+            self.turn_part(beta, band.start, &mut coeffs[band], &mut padded);
         }
     }
 
-    /// Some whole bands, from the coefficient `start` on; `ROOM` is for them and two zeros on either side.
+    /// Some whole bands, from the coefficient `start` on.
+    ///
+    /// - `padded`: room for them and two zeros on either side; zero, or left by a smaller part
     #[inline(always)]
-    fn turn_part<const ROOM: usize>(&self, beta: T, start: usize, part: &mut [T]) {
+    fn turn_part(&self, beta: T, start: usize, part: &mut [T], padded: &mut [T]) {
         let size = part.len();
-        let mut padded = [T::ZERO; ROOM];
+        let padded = &mut padded[..size + 4];
         padded[2..size + 2].copy_from_slice(part);
-        let padded = &padded[..size + 4];
         let first = &self.first[start..start + size + 1];
         for i in 0..size {
             part[i] = padded[i + 2] + beta * (first[i] * padded[i + 1] - first[i + 1] * padded[i + 3]);
