@@ -20,6 +20,12 @@ pub(crate) fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
     format!("| {} |\n{rule}{body}", head.join(" | "))
 }
 
+/// Writes `target/repro/NAME`.
+pub(crate) fn file(name: &str, contents: &str) -> Result<()> {
+    let path = folder()?.join(name.replace('/', "-"));
+    std::fs::write(&path, contents).with_context(|| format!("cannot write {}", path.display()))
+}
+
 fn folder() -> Result<PathBuf> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
     let folder = target.join("repro");

@@ -193,7 +193,6 @@ mod product;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
-#[cfg(feature = "alloc")]
 mod rotation;
 mod rows;
 mod scaling;
@@ -240,7 +239,8 @@ pub use product::{product, product_many, product_matrix, square, triple_product}
 pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
-pub use rotation::ShRotation;
+pub use rotation::{ShRotation, Taylor, TaylorDegree, Zxzxz, radiance_cache_angle_limit, taylor_angle_limit};
+pub use rotation::{Zyz, rotate, rotate_quaternion, rotate_z, rotate_zyz};
 pub use rows::RotationRows;
 #[cfg(feature = "alloc")]
 pub use scaling::{Interpolation, ScalingMatrix, ScalingTable, geometric_nodes};

@@ -2,39 +2,13 @@
 #![cfg(feature = "alloc")]
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod matrices;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use matrices::{IDENTITY, Matrix, about, largest_difference, product, transform, transpose};
 use proptest::prelude::*;
 use sh_core::{Order, ShRotation, dot, eval, expand_zonal, fibonacci, reconstruct};
-
-type Matrix = [[f64; 3]; 3];
-
-const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// Rodrigues' formula.
-fn about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
-    let (s, c) = angle.sin_cos();
-    // 1 − cos, without cancellation for tiny angles
-    let k = 2.0 * (0.5 * angle).sin().powi(2);
-    [
-        [c + x * x * k, x * y * k - z * s, x * z * k + y * s],
-        [y * x * k + z * s, c + y * y * k, y * z * k - x * s],
-        [z * x * k - y * s, z * y * k + x * s, c + z * z * k],
-    ]
-}
-
-fn transform(matrix: Matrix, v: [f64; 3]) -> [f64; 3] {
-    matrix.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
-}
-
-fn transpose(m: Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
-}
-
-fn product(a: Matrix, b: Matrix) -> Matrix {
-    let columns = transpose(b);
-    a.map(|row| columns.map(|column| row.iter().zip(column).map(|(a, b)| a * b).sum()))
-}
 
 fn rotated(order: Order, matrix: Matrix, coeffs: &[f64]) -> Vec<f64> {
     let mut out = vec![f64::NAN; coeffs.len()];
@@ -186,10 +160,6 @@ fn expansion() -> impl Strategy<Value = (Order, Vec<f64>)> {
         });
         (Just(Order::new(n).unwrap()), coeffs)
     })
-}
-
-fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 proptest! {

@@ -5,6 +5,7 @@ mod error_against_rays;
 mod exponential;
 mod numbers;
 mod peers;
+mod rotation_trade;
 
 use std::path::Path;
 
@@ -48,6 +49,11 @@ pub const RUNS: &[Run] = &[
         name: "sh/exponential",
         what: "error and time of the exponential of expansions, by method and order, for sets of blockers",
         run: exponential::run,
+    },
+    Run {
+        name: "kkp/trade",
+        what: "rotation, exact and by Taylor polynomials: error against time, with a plot",
+        run: rotation_trade::run,
     },
 ];
 

@@ -246,9 +246,7 @@ fn one_rotation(n: usize) -> f64 {
 
 /// Half a turn about an axis: `2 a aᵀ − 1`.
 fn turn(axis: [f64; 3]) -> [[f32; 3]; 3] {
-    std::array::from_fn(|r| {
-        std::array::from_fn(|c| (2.0 * axis[r] * axis[c] - f64::from(u8::from(r == c))) as f32)
-    })
+    std::array::from_fn(|r| std::array::from_fn(|c| (2.0 * axis[r] * axis[c] - f64::from(u8::from(r == c))) as f32))
 }
 
 fn many_rotations(n: usize) -> f64 {

@@ -3,7 +3,10 @@
 use alloc::vec::Vec;
 
 use super::ivanic::Bands;
+use super::many::{Many, Vectors};
+use super::zyz::Zyz;
 use crate::order::assert_length;
+use crate::simd::dispatch;
 use crate::{Order, Real, dot};
 
 /// A rotation of expansions of one order: one square matrix per band.
@@ -82,6 +85,75 @@ impl<T: Real> ShRotation<T> {
     }
 }
 
+impl<T: Real> ShRotation<T> {
+    /// From a quaternion `[x, y, z, w]` of any length but 0, for which the matrices are NaN.
+    pub fn from_quaternion(order: Order, quaternion: [T; 4]) -> Self {
+        Self::new(order, Zyz::from_quaternion(quaternion.map(T::to_f64)).matrix().map(|row| row.map(T::from_f64)))
+    }
+
+    /// Turns about z by an angle in radians. [`rotate_z`](crate::rotate_z) does the same to one expansion in O(n²).
+    pub fn about_z(order: Order, angle: T) -> Self {
+        let (s, c) = (angle.sin(), angle.cos());
+        Self::new(order, [[c, -s, T::ZERO], [s, c, T::ZERO], [T::ZERO, T::ZERO, T::ONE]])
+    }
+
+    /// Rotates many expansions, or the channels of a light, across them: as many at once as the registers of this machine
+    /// have lanes.
+    ///
+    /// - `coeffs`: `[V, n²]`
+    /// - `out`: `[V, n²]`, overwritten
+    ///
+    /// The same sums as in [`ShRotation::apply`], in another order. For n > 10, and for what is left over of the last
+    /// block, one vector after the other. Does not allocate.
+    ///
+    /// ```
+    /// use sh_core::{Order, ShRotation};
+    ///
+    /// // A light of three channels, turned by a quarter about z.
+    /// let order = Order::new(2)?;
+    /// let light = [1.0, 0.0, 0.0, -0.5, 2.0, 0.0, 0.0, -1.0, 3.0, 0.0, 0.0, -1.5];
+    /// let mut turned = [0.0; 12];
+    /// let rotation = ShRotation::<f32>::new(order, [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    /// rotation.apply_many(&light, &mut turned);
+    /// assert_eq!(turned, [1.0, -0.5, 0.0, 0.0, 2.0, -1.0, 0.0, 0.0, 3.0, -1.5, 0.0, 0.0]);
+    /// # Ok::<(), sh_core::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the lengths differ, or are not a multiple of n².
+    pub fn apply_many(&self, coeffs: &[T], out: &mut [T]) {
+        self.assert_whole_vectors(coeffs.len());
+        assert_length("out", out.len(), coeffs.len());
+        self.run(Vectors::Copied(coeffs, out));
+    }
+
+    /// The same in place.
+    ///
+    /// - `coeffs`: `[V, n²]`
+    ///
+    /// # Panics
+    /// If the length is not a multiple of n².
+    pub fn apply_many_in_place(&self, coeffs: &mut [T]) {
+        self.assert_whole_vectors(coeffs.len());
+        self.run(Vectors::InPlace(coeffs));
+    }
+
+    fn run(&self, vectors: Vectors<'_, T>) {
+        dispatch::<T, _>(Many { order: self.order, matrices: self.matrices(), vectors });
+    }
+
+    /// Band after band, `[2l+1, 2l+1]` row-major.
+    pub(super) fn matrices(&self) -> &[T] {
+        &self.matrices
+    }
+
+    #[track_caller]
+    fn assert_whole_vectors(&self, given: usize) {
+        let count = self.order.coeff_count();
+        assert!(given.is_multiple_of(count), "coeffs has {given} elements, it needs a multiple of {count}");
+    }
+}
+
 /// Rotates several expansions once, holding the matrices of two bands only.
 ///
 /// - `coeffs`, `out`: `[C, n²]`
@@ -99,7 +171,7 @@ pub(crate) fn rotate_channels(order: Order, matrix: [[f64; 3]; 3], coeffs: &[f64
 }
 
 /// `out = matrix · vector`, row-major.
-fn multiply<T: Real>(matrix: &[T], vector: &[T], out: &mut [T]) {
+pub(super) fn multiply<T: Real>(matrix: &[T], vector: &[T], out: &mut [T]) {
     for (out, row) in out.iter_mut().zip(matrix.chunks_exact(vector.len())) {
         *out = dot(row, vector);
     }
