@@ -45,8 +45,6 @@ pub trait Lanes<T>:
     fn mul_add(self, factor: Self, summand: Self) -> Self;
     /// `self / divisor`.
     fn div(self, divisor: Self) -> Self;
-    /// Square root.
-    fn sqrt(self) -> Self;
     /// In each lane `then` where `self < other`, else `otherwise`; a NaN is not less.
     fn select_less(self, other: Self, then: Self, otherwise: Self) -> Self;
     /// The components of the first [`Self::WIDTH`] directions. Panics if there are fewer.
@@ -169,10 +167,6 @@ impl<T: Real> Lanes<T> for T {
         self / divisor
     }
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        Real::sqrt(self)
-    }
-    #[inline(always)]
     fn select_less(self, other: Self, then: Self, otherwise: Self) -> Self {
         if self < other { then } else { otherwise }
     }
@@ -261,10 +255,6 @@ impl<T: Real> Lanes<T> for Four<T> {
     #[inline(always)]
     fn div(self, divisor: Self) -> Self {
         self.zip(divisor, |a, b| a / b)
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.map(Real::sqrt))
     }
     #[inline(always)]
     fn select_less(self, other: Self, then: Self, otherwise: Self) -> Self {
@@ -453,7 +443,7 @@ mod x86 {
     /// A register type with its intrinsics.
     macro_rules! register {
         ($name:ident, $scalar:ident, $register:ident, $width:literal, $set1:ident, $load:ident, $store:ident, $add:ident,
-         $sub:ident, $mul:ident, $fma:ident, $div:ident, $sqrt:ident, $select:path, $directions:path, $transpose:path,
+         $sub:ident, $mul:ident, $fma:ident, $div:ident, $select:path, $directions:path, $transpose:path,
          $rest:ident) => {
             #[doc = concat!(stringify!($width), " numbers of type `", stringify!($scalar), "`.")]
             #[derive(Clone, Copy, Debug)]
@@ -518,11 +508,6 @@ mod x86 {
                 fn div(self, divisor: Self) -> Self {
                     // SAFETY: the feature is there, see the head of the module.
                     Self(unsafe { $div(self.0, divisor.0) })
-                }
-                #[inline(always)]
-                fn sqrt(self) -> Self {
-                    // SAFETY: the feature is there, see the head of the module.
-                    Self(unsafe { $sqrt(self.0) })
                 }
                 #[inline(always)]
                 fn select_less(self, other: Self, then: Self, otherwise: Self) -> Self {
@@ -597,7 +582,6 @@ mod x86 {
         _mm256_mul_ps,
         _mm256_fmadd_ps,
         _mm256_div_ps,
-        _mm256_sqrt_ps,
         select_f32x8,
         directions_f32x8,
         transpose_f32x8,
@@ -616,7 +600,6 @@ mod x86 {
         _mm256_mul_pd,
         _mm256_fmadd_pd,
         _mm256_div_pd,
-        _mm256_sqrt_pd,
         select_f64x4,
         directions_f64x4,
         transpose_f64x4,
@@ -635,7 +618,6 @@ mod x86 {
         _mm512_mul_ps,
         _mm512_fmadd_ps,
         _mm512_div_ps,
-        _mm512_sqrt_ps,
         select_f32x16,
         directions_f32x16,
         transpose_f32x16,
@@ -654,7 +636,6 @@ mod x86 {
         _mm512_mul_pd,
         _mm512_fmadd_pd,
         _mm512_div_pd,
-        _mm512_sqrt_pd,
         select_f64x8,
         directions_f64x8,
         transpose_f64x8,
@@ -902,7 +883,6 @@ mod tests {
             assert_eq!(lanes(va * vb), each(&|d| a[d] * b[d]));
             assert_eq!(lanes(-va), each(&|d| -a[d]));
             assert_eq!(lanes(va.div(vb)), each(&|d| a[d] / b[d]));
-            assert_eq!(lanes(vb.sqrt()), each(&|d| Real::sqrt(b[d])));
             assert_eq!(lanes(va.select_less(vc, va, vb)), each(&|d| if a[d] < c[d] { a[d] } else { b[d] }));
             for (fused, d) in lanes(va.mul_add(vb, vc)).into_iter().zip(0..) {
                 let bound = T::EPSILON * ((a[d] * b[d]).abs() + c[d].abs());

@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use sh_core::{
-    BLOCK, Basis, BasisGradient, CubeMap, LatLong, Order, ProductTransform, Real, ShRotation, eval, fibonacci, product, project_cube,
-    project_lat_long, rotate,
+    BLOCK, Basis, BasisGradient, CubeMap, LatLong, Order, ProductTransform, Real, ShRotation, eval, fibonacci, product,
+    project_cube, project_lat_long, rotate,
 };
 use sphrs::{Coordinates, HarmonicsSet, RealSH};
 
@@ -188,7 +188,7 @@ fn single_directions(rows: &mut Vec<Vec<String>>) -> Result<()> {
 }
 
 fn sphrs(n: usize) -> f64 {
-    let set = HarmonicsSet::new(n as i64 - 1, RealSH::Spherical);
+    let set = HarmonicsSet::new(n - 1, RealSH::Spherical);
     let points: Vec<Coordinates<f64>> =
         fibonacci(1000).into_iter().map(|[x, y, z]| Coordinates::cartesian(x, y, z)).collect();
     time(points.len(), || {
