@@ -6,6 +6,7 @@ Started by the run `sh-core/peers`, which times the same thing in between, so bo
 import json
 import sys
 import time
+from importlib.metadata import version
 
 import ducc0
 import numpy as np
@@ -47,7 +48,7 @@ def measure(what, n, dtype, count):
     return best(lambda: compute(x)) / count
 
 
-print(f"sphericart {sphericart.__version__}, ducc0 {ducc0.__version__}", flush=True)
+print(", ".join(f"{name} {version(name)}" for name in ("sphericart", "ducc0")), flush=True)
 for line in sys.stdin:
     request = json.loads(line)
     print(measure(request["what"], request["n"], request["type"], request["count"]), flush=True)

@@ -3,7 +3,8 @@
 use core::array;
 use core::ops::{Add, AddAssign, Deref, DerefMut, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::{Order, Real, convolve, dot, eval, product, reconstruct, rotate};
+use crate::basis::eval_fixed;
+use crate::{Order, Real, convolve, dot, product, reconstruct, rotate};
 
 /// An expansion of fixed order: `LEN = n²` coefficients, without allocation.
 ///
@@ -80,11 +81,11 @@ impl<T: Real, const LEN: usize> Sh<T, LEN> {
         sh
     }
 
-    /// The basis functions at a unit direction, see [`eval`].
+    /// The basis functions at a unit direction, see [`eval`](crate::eval).
     #[inline]
     pub fn basis(direction: [T; 3]) -> Self {
         let mut sh = Self::ZERO;
-        eval(Self::ORDER, direction, &mut sh.0);
+        eval_fixed(Self::ORDER, direction, &mut sh.0);
         sh
     }
 

@@ -23,7 +23,7 @@ mod recurrence;
 mod unrolled;
 
 use crate::order::assert_length;
-use crate::{Order, Real, dot};
+use crate::{Order, Real};
 #[cfg(feature = "alloc")]
 pub use batch::BLOCK;
 #[cfg(feature = "alloc")]
@@ -94,16 +94,33 @@ impl<V> Sink<V> for Values<'_, V> {
 ///
 /// # Panics
 /// If `out` is not `[n²]`.
+#[inline]
 pub fn eval<T: Real>(order: Order, direction: [T; 3], out: &mut [T]) {
     assert_length("out", out.len(), order.coeff_count());
-    small_order!(order, N => eval_small::<T, N>(direction, out), else eval_computed(order, direction, out));
+    let [x, y, z] = direction;
+    small_order!(order, N => eval_small::<T, N>(x, y, z, out), else eval_computed(order, direction, out));
 }
 
-/// The straight-line kernel of order `N`.
-#[inline]
-fn eval_small<T: Real, const N: usize>(direction: [T; 3], out: &mut [T]) {
+/// The straight-line kernel of order `N`. Not inlined, so that what calls it by the order stays short and is; the components
+/// come in registers, since three numbers that were stored one by one are slow to load as a pair.
+#[inline(never)]
+fn eval_small<T: Real, const N: usize>(x: T, y: T, z: T, out: &mut [T]) {
     assert!(out.len() == N * N, "length checked by the caller");
-    unrolled::kernel::<T, T, N>(direction, &mut Values(out));
+    unrolled::kernel::<T, T, N>([x, y, z], &mut Values(out));
+}
+
+/// [`eval`] for an order that is known when the program is compiled: `LEN = n²`.
+#[inline(always)]
+pub(crate) fn eval_fixed<T: Real, const LEN: usize>(order: Order, direction: [T; 3], out: &mut [T; LEN]) {
+    macro_rules! kernels {
+        ($($n:literal)+) => {
+            $(if LEN == $n * $n {
+                return unrolled::kernel::<T, T, $n>(direction, &mut Values(out));
+            })+
+        };
+    }
+    kernels!(1 2 3 4 5 6 7 8 9 10);
+    eval(order, direction, out);
 }
 
 /// The value of an expansion at a direction: `Σ coeffs[i] y_i(direction)`.
@@ -115,9 +132,11 @@ fn eval_small<T: Real, const N: usize>(direction: [T; 3], out: &mut [T]) {
 ///
 /// # Panics
 /// If `coeffs` is not `[n²]`.
+#[inline]
 pub fn reconstruct<T: Real>(order: Order, coeffs: &[T], direction: [T; 3]) -> T {
     assert_length("coeffs", coeffs.len(), order.coeff_count());
-    small_order!(order, N => reconstruct_small::<T, N>(coeffs, direction), else {
+    let [x, y, z] = direction;
+    small_order!(order, N => reconstruct_small::<T, N>(coeffs, x, y, z), else {
         if order.get() <= T::NATIVE_ORDER {
             recurrence::reconstruct(order, direction, coeffs)
         } else {
@@ -127,11 +146,26 @@ pub fn reconstruct<T: Real>(order: Order, coeffs: &[T], direction: [T; 3]) -> T 
 }
 
 /// The sum of order `N`.
-#[inline]
-fn reconstruct_small<T: Real, const N: usize>(coeffs: &[T], direction: [T; 3]) -> T {
-    let mut y = [T::ZERO; unrolled::MAX_ORDER * unrolled::MAX_ORDER];
-    eval_small::<T, N>(direction, &mut y[..N * N]);
-    dot(coeffs, &y[..N * N])
+#[inline(never)]
+fn reconstruct_small<T: Real, const N: usize>(coeffs: &[T], x: T, y: T, z: T) -> T {
+    assert!(coeffs.len() == N * N, "length checked by the caller");
+    let mut terms = Terms { coeffs, sums: [T::ZERO; 4] };
+    unrolled::kernel::<T, T, N>([x, y, z], &mut terms);
+    let [s0, s1, s2, s3] = terms.sums;
+    (s0 + s2) + (s1 + s3)
+}
+
+/// Adds up `coeffs[i] y_i`, in four sums, so that an addition need not wait for the one before.
+struct Terms<'a, T> {
+    coeffs: &'a [T],
+    sums: [T; 4],
+}
+
+impl<T: Real> Sink<T> for Terms<'_, T> {
+    #[inline(always)]
+    fn put(&mut self, i: usize, value: T) {
+        self.sums[i % 4] += self.coeffs[i] * value;
+    }
 }
 
 /// The recurrence with factors computed on the way, in the type that has the range for this order.
