@@ -5,6 +5,7 @@
 //! `XMSHRotate` is known to lose three there.
 #![cfg(feature = "alloc")]
 #![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::print_stdout, reason = "a comparison that the documentation tells of")]
 
 mod matrices;
 
