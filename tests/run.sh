@@ -20,14 +20,19 @@ fi
 # With the adapter installed, a GPU test that finds none has failed.
 export PRT_REQUIRE_GPU=1
 
+# What the light crate leaves out unless it is asked for.
+optional=glam,nalgebra,serde
+
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 status=0
 if cargo nextest --version >/dev/null 2>&1; then
     cargo nextest run --workspace --locked --no-fail-fast 2>&1 | tee "$log" || status=1
+    cargo nextest run -p sh-core --features "$optional" --test features --locked 2>&1 | tee -a "$log" || status=1
     cargo test --workspace --locked --doc --no-fail-fast 2>&1 | tee -a "$log" || status=1
 else
     cargo test --workspace --locked --no-fail-fast 2>&1 | tee "$log" || status=1
+    cargo test -p sh-core --features "$optional" --test features --locked 2>&1 | tee -a "$log" || status=1
 fi
 
 # nextest closes with "N tests run: P passed, F failed, S skipped"; cargo with "test result: ok. P passed; F failed; I ignored".

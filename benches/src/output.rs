@@ -6,13 +6,18 @@ use anyhow::{Context, Result};
 
 /// Prints a table in Markdown, and writes it as `target/repro/NAME.csv`.
 pub(crate) fn table(name: &str, head: &[&str], rows: &[Vec<String>]) -> Result<()> {
-    print(&format!("| {} |", head.join(" | ")));
-    print(&format!("|{}", "---|".repeat(head.len())));
-    rows.iter().for_each(|row| print(&format!("| {} |", row.join(" | "))));
+    print(markdown(head, rows).trim_end());
     let path = folder()?.join(format!("{}.csv", name.replace('/', "-")));
     let lines: Vec<String> =
         std::iter::once(head.join(",")).chain(rows.iter().map(|row| row.join(",").replace("**", ""))).collect();
     std::fs::write(&path, lines.join("\n") + "\n").with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A table in Markdown.
+pub(crate) fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
+    let rule = format!("|{}\n", "---|".repeat(head.len()));
+    let body: String = rows.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
+    format!("| {} |\n{rule}{body}", head.join(" | "))
 }
 
 /// Writes `target/repro/NAME`.

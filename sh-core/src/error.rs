@@ -14,6 +14,16 @@ pub enum Error {
         /// The number of bands asked for.
         given: usize,
     },
+    /// A number that describes a scaling has no meaning there.
+    #[error("{what} is {given}, it must be {accepted}")]
+    Scaling {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        given: f64,
+        /// The values that have a meaning.
+        accepted: &'static str,
+    },
     /// A number among samples that cannot be fitted.
     #[error("{what} {item} of the samples is {given}")]
     Sample {

@@ -3,7 +3,7 @@
 use core::array;
 use core::ops::{Add, AddAssign, Deref, DerefMut, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::{Order, Real, convolve, dot, eval, reconstruct};
+use crate::{Order, Real, convolve, dot, eval, product, reconstruct, rotate};
 
 /// An expansion of fixed order: `LEN = n²` coefficients, without allocation.
 ///
@@ -98,6 +98,25 @@ impl<T: Real, const LEN: usize> Sh<T, LEN> {
     #[inline]
     pub fn dot(&self, other: &Self) -> T {
         dot(&self.0, &other.0)
+    }
+
+    /// The expansion turned by a matrix of rows, see [`rotate`].
+    #[must_use]
+    pub fn rotated(&self, matrix: [[T; 3]; 3]) -> Self {
+        let mut out = Self::ZERO;
+        rotate(Self::ORDER, matrix, &self.0, &mut out.0);
+        out
+    }
+
+    /// The product with another function, cut off at this order, see [`product`].
+    ///
+    /// # Panics
+    /// Without the feature `alloc`, if the order is above 6.
+    #[must_use]
+    pub fn product(&self, other: &Self) -> Self {
+        let mut out = Self::ZERO;
+        product(Self::ORDER, &self.0, &other.0, &mut out.0);
+        out
     }
 
     /// The convolution with a zonal kernel `[n]`, see [`convolve`].
@@ -221,6 +240,18 @@ mod tests {
         assert!((c.value(s) - expected).abs() < 1e-15);
         assert_eq!(a.dot(&b), dot(&a, &b));
         assert_eq!(Sh4::<f32>::ORDER.get(), 4);
+    }
+
+    #[test]
+    fn methods_are_the_functions_on_slices() {
+        let quarter_turn_about_z = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let a = Sh3::basis([0.36_f64, 0.48, 0.8]);
+        let turned = a.rotated(quarter_turn_about_z);
+        assert!((turned - Sh3::basis([-0.48, 0.36, 0.8])).iter().all(|c| c.abs() < 1e-15));
+        assert!((a.product(&Sh::constant(2.0)) - a * 2.0).iter().all(|c| c.abs() < 1e-15));
+        // Only band 0 of the kernel: the mean, times the kernel's integral.
+        let mean = a.convolved(&[1.0, 0.0, 0.0]);
+        assert!((mean[0] - (4.0 * core::f64::consts::PI).sqrt() * a[0]).abs() < 1e-15 && mean[5] == 0.0);
     }
 
     #[test]

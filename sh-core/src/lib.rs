@@ -1,6 +1,26 @@
-//! Real spherical harmonics to any order: evaluate, project, rotate, convolve, window.
+//! Real spherical harmonics to any order: evaluate, project, light, rotate, multiply, convolve, scale, window, extract.
 //!
 //! This page fixes the conventions once, for this crate and for everything that is built on it.
+//!
+//! # What is where
+//!
+//! Functions work on slices of stated shape; [`Sh`] owns its coefficients, for orders that are known when the program is
+//! compiled.
+//!
+//! | to do | with |
+//! |---|---|
+//! | evaluate the basis | [`eval`]; [`Basis`] for many directions; [`eval_gradient`], [`eval_hessian`], [`BasisGradient`] |
+//! | evaluate an expansion | [`reconstruct`], [`Basis::reconstruct`], [`reconstruct_lat_long`] |
+//! | expand a function | [`project_function`]; [`Basis::project`] for samples with weights, [`LeastSquares`] for those without |
+//! | expand a map | [`project_lat_long`], [`project_cube`] |
+//! | analytic lights | [`directional_light`], [`disk_light`], [`sphere_light`], [`cone_light`], [`hemisphere_light`], [`ambient_light`], [`polygon_light`], [`overcast_sky`], [`clear_sky`], [`cie_sky`] |
+//! | rotate | [`rotate`], [`rotate_quaternion`], [`rotate_z`]; [`ShRotation`] for many vectors; [`Zxzxz`] by tables; [`Taylor`] for small angles |
+//! | multiply | [`product`], [`product_many`], [`square`], [`product_matrix`], [`triple_product`]; [`exp`], [`log`] |
+//! | zonal functions | [`zonal_value`], [`project_zonal`], [`expand_zonal`], [`expand_lobe`], [`convolve`]; kernels from [`clamped_cosine`] to [`ggx_kernel`]; [`fit_lobe_about_axis`] |
+//! | scale about an axis | [`ScalingMatrix`], [`ScalingTable`] |
+//! | fade out ringing | [`hanning`], [`lanczos`], [`laplacian`], [`gaussian`], [`nonnegative_window`]; [`minimum`] |
+//! | extract | [`dominant_light`], [`irradiance`], [`irradiance_matrices`], [`band_energy`] |
+//! | exchange with other libraries | [`toggle_condon_shortley`], [`from_splat`], [`from_filament`], [`from_complex`], [`y_up_from_z_up`] |
 //!
 //! # Words
 //!
@@ -42,6 +62,7 @@
 //!
 //! The papers, DirectX and 3D Gaussian splats use the same signs. Libraries without the phase (sphericart, sphrs, SciPy-style
 //! real harmonics, three.js) differ by the factor `(−1)^m` for each coefficient. "Order" there may mean `l_max = n − 1`.
+//! Converters: [`toggle_condon_shortley`], [`to_complex`], [`from_splat`], [`to_filament`], [`z_up_from_y_up`], and back.
 //!
 //! # Frames
 //!
@@ -72,8 +93,11 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`Zxzxz`], [`Taylor`], projection, reconstruction of maps, [`polygon_light`], skies |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`Zxzxz`], [`Taylor`], [`ScalingMatrix`], [`minimum`], projection, reconstruction of maps, [`polygon_light`], skies |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
+//! | `glam` | no | [`RotationRows`] of glam's matrices and quaternions |
+//! | `nalgebra` | no | [`RotationRows`] of nalgebra's rotations and unit quaternions, [`ScalingMatrix`] as a `DMatrix`; implies `alloc` |
+//! | `serde` | no | reading and writing of [`Order`], [`LatLong`], [`CubeMap`], [`Tau`], [`Preserve`], [`Interpolation`], [`Window`], [`SplatLayout`] |
 //!
 //! One of `std` and `libm` is needed.
 //!
@@ -106,8 +130,19 @@
 //!   tables of `u, v, w` and `U, V, W`, and are themselves reported to be misprinted in `V` for m < 0. The form used here
 //!   is proved by tests: its factors are orthonormal, and rotation commutes with evaluation.
 //! - **\[Slo08\]** P.-P. Sloan. *Stupid Spherical Harmonics (SH) Tricks.* Game Developers Conference, 2008.
+//! - **\[Slo17\]** P.-P. Sloan. *Deringing Spherical Harmonics.* SIGGRAPH Asia Technical Briefs, 2017.
+//!   <https://doi.org/10.1145/3145749.3149438>.
+//! - **\[KKLD23\]** B. Kerbl, G. Kopanas, T. Leimkühler, G. Drettakis. *3D Gaussian Splatting for Real-Time Radiance Field
+//!   Rendering.* ACM Transactions on Graphics 42(4) (SIGGRAPH), 2023. <https://doi.org/10.1145/3592433>.
+//! - **\[VMK88\]** D. A. Varshalovich, A. N. Moskalev, V. K. Khersonskii. *Quantum Theory of Angular Momentum.* World
+//!   Scientific, 1988. <https://doi.org/10.1142/0270>.
+//! - **\[Zyg02\]** A. Zygmund. *Trigonometric Series.* Third edition, Cambridge University Press, 2002 (first 1935).
+//!   <https://doi.org/10.1017/CBO9781316036587>.
 //! - **\[RH01\]** R. Ramamoorthi, P. Hanrahan. *An Efficient Representation for Irradiance Environment Maps.* SIGGRAPH, 2001.
 //!   <https://doi.org/10.1145/383259.383317>.
+//! - **\[RWS06\]** Z. Ren, R. Wang, J. Snyder, K. Zhou, X. Liu, B. Sun, P.-P. Sloan, H. Bao, Q. Peng, B. Guo. *Real-time
+//!   Soft Shadows in Dynamic Scenes using Spherical Harmonic Exponentiation.* ACM Transactions on Graphics 25(3)
+//!   (SIGGRAPH), 2006. <https://doi.org/10.1145/1179352.1141982>.
 //! - **\[OS83\]** A. van Oosterom, J. Strackee. *The Solid Angle of a Plane Triangle.* IEEE Transactions on Biomedical
 //!   Engineering 30(2), 1983. <https://doi.org/10.1109/TBME.1983.325207>.
 //! - **\[DLMF\]** *NIST Digital Library of Mathematical Functions.* <https://dlmf.nist.gov>.
@@ -142,17 +177,28 @@ extern crate std;
 compile_error!("sh-core needs floating-point functions: enable its feature `std` (the default) or `libm`");
 
 mod basis;
+mod convention;
 mod direction;
 mod error;
 mod expansion;
+mod exponential;
 mod extract;
+#[cfg(feature = "glam")]
+mod glam;
 mod light;
 mod maps;
+#[cfg(feature = "nalgebra")]
+mod nalgebra;
 mod order;
+mod product;
 #[cfg(feature = "alloc")]
 mod project;
 mod real;
 mod rotation;
+mod rows;
+mod scaling;
+#[cfg(feature = "serde")]
+mod serde;
 #[cfg_attr(not(feature = "alloc"), allow(dead_code, reason = "a scalar is one lane; wider ones are for batches"))]
 mod simd;
 #[cfg(feature = "alloc")]
@@ -164,8 +210,16 @@ mod zonal;
 #[cfg(feature = "alloc")]
 pub use basis::{BLOCK, Basis, BasisGradient};
 pub use basis::{eval, eval_gradient, eval_hessian, reconstruct};
+pub use convention::{
+    SplatLayout, from_complex, from_filament, from_splat, to_complex, to_filament, to_splat, toggle_condon_shortley,
+};
+#[cfg(feature = "alloc")]
+pub use convention::{y_up_from_z_up, z_up_from_y_up};
 pub use error::Error;
 pub use expansion::{Sh, Sh1, Sh2, Sh3, Sh4, Sh5, Sh6, Sh7, Sh8, Sh9, Sh10};
+#[cfg(feature = "alloc")]
+pub use exponential::log;
+pub use exponential::{ExpOptions, ExpStart, exp};
 #[cfg(feature = "alloc")]
 pub use extract::irradiance;
 pub use extract::{
@@ -180,15 +234,24 @@ pub use light::{
 pub use maps::{CubeMap, LatLong};
 pub use order::{Order, index};
 #[cfg(feature = "alloc")]
+pub use product::{ProductMatrix, ProductTransform, TripleTensor, gaunt};
+pub use product::{product, product_many, product_matrix, square, triple_product};
+#[cfg(feature = "alloc")]
 pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::{ShRotation, Taylor, TaylorDegree, Zxzxz, radiance_cache_angle_limit, taylor_angle_limit};
 pub use rotation::{Zyz, rotate, rotate_quaternion, rotate_z, rotate_zyz};
+pub use rows::RotationRows;
+#[cfg(feature = "alloc")]
+pub use scaling::{Interpolation, ScalingMatrix, ScalingTable, geometric_nodes};
+pub use scaling::{Preserve, Tau};
 #[cfg(feature = "alloc")]
 pub use sphere::{Quadrature, fibonacci};
 pub use vector::{dot, scale_bands};
-pub use window::hanning;
+#[cfg(feature = "alloc")]
+pub use window::{Minimum, minimum, minimum_zonal, nonnegative_window};
+pub use window::{Window, gaussian, hanning, lanczos, laplacian, laplacian_lambda};
 #[cfg(feature = "alloc")]
 pub use zonal::project_zonal;
 pub use zonal::{

@@ -19,6 +19,7 @@ use crate::Real;
 /// assert_eq!(map.texel([0.0, 0.0, -1.0]), (0.0, 2.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub struct LatLong {
     /// Texels around the equator.
     pub width: usize,
@@ -88,6 +89,7 @@ impl LatLong {
 /// assert_eq!(map.texel([0.0, -1.0, 0.0]), (3, 2.0, 2.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(::serde::Serialize, ::serde::Deserialize))]
 pub struct CubeMap {
     /// Texels along an edge.
     pub size: usize,

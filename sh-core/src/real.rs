@@ -5,8 +5,19 @@ use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 mod sealed {
+    #[cfg(feature = "alloc")]
+    pub(crate) use crate::basis::Batches;
+
+    /// There are batches with `alloc` only.
+    #[cfg(not(feature = "alloc"))]
+    pub trait Batches {}
+    #[cfg(not(feature = "alloc"))]
+    impl Batches for f32 {}
+    #[cfg(not(feature = "alloc"))]
+    impl Batches for f64 {}
+
     /// Closes [`Real`](super::Real), and holds what only this crate needs to know of a scalar.
-    pub trait Sealed: crate::simd::Registers + crate::rotation::Quads {
+    pub trait Sealed: crate::simd::Registers + crate::product::Sampled + crate::rotation::Quads + Batches {
         /// Largest order that the recurrence evaluates in this type; above it, it works in `f64` and rounds.
         ///
         /// Near a pole the recurrence multiplies the tiny `sin^m theta` by factors of up to `10^(0.21 n)`. Both must fit

@@ -54,7 +54,10 @@ pub trait Lanes<T>:
     /// Asks for memory that will be written soon.
     #[inline(always)]
     fn prefetch(_: &mut [T]) {}
-    /// Writes lane `d` of `rows[j]` to `out[d · stride + j]`. Panics if `out` ends before that.
+    /// Writes lane `d` of `rows[j]` to `out[d · stride + j]`, for [`Self::WIDTH`] rows. Panics if there are fewer, or `out`
+    /// ends before that.
+    fn store_square(rows: &[Self], stride: usize, out: &mut [T]);
+    /// The same for any number of rows.
     fn store_transposed(rows: &[Self], stride: usize, out: &mut [T]);
     /// Reads `values[d · stride + j]` into lane `d` of `rows[j]`. Panics if `values` ends before that.
     fn load_transposed(rows: &mut [Self], stride: usize, values: &[T]);
@@ -178,6 +181,10 @@ impl<T: Real> Lanes<T> for T {
         directions[0]
     }
     #[inline(always)]
+    fn store_square(rows: &[Self], _: usize, out: &mut [T]) {
+        out[0] = rows[0];
+    }
+    #[inline(always)]
     fn store_transposed(rows: &[Self], _: usize, out: &mut [T]) {
         out[..rows.len()].copy_from_slice(rows);
     }
@@ -267,6 +274,10 @@ impl<T: Real> Lanes<T> for Four<T> {
     fn load_directions(directions: &[[T; 3]]) -> [Self; 3] {
         let directions = &directions[..4];
         core::array::from_fn(|axis| Self(core::array::from_fn(|d| directions[d][axis])))
+    }
+    #[inline(always)]
+    fn store_square(rows: &[Self], stride: usize, out: &mut [T]) {
+        Self::store_transposed(&rows[..4], stride, out);
     }
     #[inline(always)]
     fn store_transposed(rows: &[Self], stride: usize, out: &mut [T]) {
@@ -473,17 +484,6 @@ mod x86 {
                     unsafe { $store(out.as_mut_ptr(), self.0) }
                 }
 
-                /// The first rows, as many as there are lanes.
-                #[inline(always)]
-                fn store_square(rows: &[Self], stride: usize, out: &mut [$scalar]) {
-                    let rows = rows.first_chunk::<$width>().expect("a square");
-                    // SAFETY: the feature is there, see the head of the module.
-                    let columns = unsafe { $transpose(rows.map(|row| row.0)) };
-                    for (d, column) in columns.into_iter().enumerate() {
-                        Self(column).store(&mut out[d * stride..]);
-                    }
-                }
-
                 #[inline(always)]
                 fn load_square(rows: &mut [Self], stride: usize, values: &[$scalar]) {
                     let columns: [_; $width] = core::array::from_fn(|d| Self::load(&values[d * stride..]).0);
@@ -540,6 +540,15 @@ mod x86 {
                     for line in out.chunks(LINE / size_of::<$scalar>()) {
                         // SAFETY: reads and writes nothing.
                         unsafe { _mm_prefetch::<_MM_HINT_ET0>(line.as_ptr().cast()) };
+                    }
+                }
+                #[inline(always)]
+                fn store_square(rows: &[Self], stride: usize, out: &mut [$scalar]) {
+                    let rows = rows.first_chunk::<$width>().expect("a square");
+                    // SAFETY: the feature is there, see the head of the module.
+                    let columns = unsafe { $transpose(rows.map(|row| row.0)) };
+                    for (d, column) in columns.into_iter().enumerate() {
+                        Self(column).store(&mut out[d * stride..]);
                     }
                 }
                 #[inline(always)]

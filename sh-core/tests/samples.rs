@@ -71,11 +71,11 @@ fn many_samples_lose_no_digits() {
     let count = 1_000_000;
     let directions: Vec<[f32; 3]> = fibonacci(count).into_iter().map(|s| s.map(|s| s as f32)).collect();
     let weight = (4.0 * std::f64::consts::PI / count as f64) as f32;
-    let samples: Vec<[f32; 1]> = directions.iter().map(|s| [weight * (1.0 + s[2])]).collect();
-    let mut coeffs = [0.0_f32; 4];
+    let samples: Vec<[f32; 3]> = directions.iter().map(|s| [weight * (1.0 + s[2]); 3]).collect();
+    let mut coeffs = [0.0_f32; 12];
     Basis::new(order(2)).project(&directions, &samples, &mut coeffs);
     let expected = [(4.0 * std::f64::consts::PI).sqrt(), 0.0, (4.0 * std::f64::consts::PI / 3.0).sqrt(), 0.0];
-    for (c, e) in coeffs.iter().zip(expected) {
+    for (c, e) in coeffs.iter().zip(expected.into_iter().cycle()) {
         // The rounding of the weight, and of the result.
         assert!((f64::from(*c) - e).abs() < 4e-7, "{coeffs:?}");
     }
@@ -86,11 +86,11 @@ fn weights_of_a_quadrature_project_exactly() {
     let quadrature = Quadrature::new(10);
     let directions: Vec<[f64; 3]> = quadrature.points().iter().map(|&(s, _)| s).collect();
     let coeffs: Vec<f64> = (0..36).map(|i| (i as f64).cos()).collect();
-    let samples: Vec<[f64; 1]> =
-        quadrature.points().iter().map(|&(s, w)| [w * reconstruct(order(6), &coeffs, s)]).collect();
-    let mut back = [0.0; 36];
+    let samples: Vec<[f64; 3]> =
+        quadrature.points().iter().map(|&(s, w)| [w * reconstruct(order(6), &coeffs, s); 3]).collect();
+    let mut back = [0.0; 3 * 36];
     Basis::new(order(6)).project(&directions, &samples, &mut back);
-    assert!(back.iter().zip(&coeffs).all(|(a, b)| (a - b).abs() < 1e-13), "{back:?}");
+    assert!(back.iter().zip(coeffs.iter().cycle()).all(|(a, b)| (a - b).abs() < 1e-13), "{back:?}");
 }
 
 /// Directions at random, with a hole around −z.
@@ -131,9 +131,9 @@ proptest! {
         let fit = LeastSquares::new(order(3), &directions, Some(&weights), smoothing).unwrap();
         let mut f = [0.0; 9];
         fit.fit(&values, &mut f);
-        let residuals: Vec<[f64; 1]> = directions.iter().zip(&values).zip(&weights)
-            .map(|((&s, v), w)| [w * (reconstruct(order(3), &f, s) - v)]).collect();
-        let mut gradient = [0.0; 9];
+        let residuals: Vec<[f64; 3]> = directions.iter().zip(&values).zip(&weights)
+            .map(|((&s, v), w)| [w * (reconstruct(order(3), &f, s) - v); 3]).collect();
+        let mut gradient = [0.0; 27];
         Basis::new(order(3)).project(&directions, &residuals, &mut gradient);
         let scale = smoothing * weights.iter().sum::<f64>() / (4.0 * std::f64::consts::PI);
         for (l, band) in order(3).bands() {

@@ -210,6 +210,22 @@ fn kernels_are_finite_and_bounded_at_every_parameter() {
     }
 }
 
+/// Bands do not depend on how many are asked for, though the way they are computed does.
+#[test]
+fn the_number_of_bands_does_not_matter() {
+    for name in ["phong", "cap", "von_mises_fisher", "ggx", "gaussian"] {
+        for parameter in [0.001, 0.0078, 0.02, 0.19, 0.4, 1.0, 5.0, 24.0, 25.0, 899.0, 900.0, 4095.0, 4225.0, 17e3] {
+            let all = kernel::<f64>(name, parameter, N);
+            for count in [1, 2, 5, 30, 64, 65, 128, 130] {
+                let some = kernel::<f64>(name, parameter, count);
+                let error = |(l, (a, b)): (usize, (&f64, &f64))| (a - b).abs() / delta(l);
+                let worst = some.iter().zip(&all).enumerate().map(error).fold(0.0, f64::max);
+                assert!(worst < 1e-14, "{name} {parameter}, n = {count}: {worst:e}");
+            }
+        }
+    }
+}
+
 #[test]
 fn limits_of_kernels_are_the_delta_function_and_the_constant() {
     let deltas = [

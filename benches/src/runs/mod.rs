@@ -2,7 +2,9 @@
 
 mod error_against_order;
 mod error_against_rays;
+mod exponential;
 mod numbers;
+mod peers;
 mod rotation_trade;
 
 use std::path::Path;
@@ -29,6 +31,11 @@ pub const RUNS: &[Run] = &[
         run: numbers::run,
     },
     Run {
+        name: "sh-core/peers",
+        what: "speed of sh-core beside other libraries; started by benches/peers/run.sh [README]",
+        run: peers::run,
+    },
+    Run {
         name: "prt/error-against-rays",
         what: "error and time of shadowed transfer for 64 to 16,384 rays [MESH]",
         run: error_against_rays::run,
@@ -37,6 +44,11 @@ pub const RUNS: &[Run] = &[
         name: "prt/error-against-order",
         what: "share of the light of an environment that transfer of order 1 to 10 misses [MESH]",
         run: error_against_order::run,
+    },
+    Run {
+        name: "sh/exponential",
+        what: "error and time of the exponential of expansions, by method and order, for sets of blockers",
+        run: exponential::run,
     },
     Run {
         name: "kkp/trade",

@@ -27,7 +27,7 @@ use crate::{Order, Real, dot};
 #[cfg(feature = "alloc")]
 pub use batch::BLOCK;
 #[cfg(feature = "alloc")]
-pub(crate) use batch::Groups;
+pub(crate) use batch::Batches;
 #[cfg(feature = "alloc")]
 pub use gradient::BasisGradient;
 pub use gradient::{eval_gradient, eval_hessian};
@@ -44,8 +44,21 @@ pub(crate) trait Sink<V> {
     fn put(&mut self, i: usize, value: V);
 }
 
+/// Where values come from.
+pub(crate) trait Source<V> {
+    /// Gives `y_i`.
+    fn get(&self, i: usize) -> V;
+}
+
 /// `[n²]` values.
 struct Values<'a, V>(&'a mut [V]);
+
+impl<V: Copy> Source<V> for &[V] {
+    #[inline(always)]
+    fn get(&self, i: usize) -> V {
+        self[i]
+    }
+}
 
 impl<V> Sink<V> for Values<'_, V> {
     #[inline(always)]

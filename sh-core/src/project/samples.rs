@@ -1,21 +1,16 @@
-//! Samples at any directions to coefficients, and coefficients to values at any directions: fused kernels that never store
-//! the basis.
+//! Samples at any directions to coefficients, and coefficients to values at any directions: the basis is made block by
+//! block, and used at once.
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::marker::PhantomData;
 
-use crate::basis::{Groups, Sink};
 use crate::order::assert_length;
 use crate::simd::{Kernel, Lanes, dispatch};
-use crate::{Basis, Real};
+use crate::{BLOCK, Basis, Real};
 
-/// Groups of directions whose products are added up in the type of the samples before they go on in `f64`: 32 roundings of
-/// a random sign, against which the sum over all samples loses nothing.
-const GROUPS_AT_ONCE: usize = 32;
-
-/// The lanes of the widest register.
-const MAX_WIDTH: usize = 16;
+/// Blocks whose products are added up in the type of the samples before they go on in `f64`: 32 roundings of a random sign,
+/// against which the sum over all samples loses nothing.
+const BLOCKS_AT_ONCE: usize = 32;
 
 impl<T: Real> Basis<T> {
     /// Projects weighted samples: `out[c, i] = Σ_d samples[d][c] y_i(directions[d])`.
@@ -48,17 +43,18 @@ impl<T: Real> Basis<T> {
         assert_length("samples", samples.len(), directions.len());
         assert_length("out", out.len(), C * count);
         let mut sums = vec![0.0; C * count];
-        if self.is_native() {
-            dispatch(Projection { basis: self, directions, samples, sums: &mut sums });
-        } else {
-            let mut y = vec![T::ZERO; count];
-            for (&direction, sample) in directions.iter().zip(samples) {
-                self.eval(direction, &mut y);
-                for (sums, sample) in sums.chunks_exact_mut(count).zip(sample) {
-                    sums.iter_mut().zip(&y).for_each(|(sum, &y)| *sum += sample.to_f64() * y.to_f64());
-                }
+        let mut partial = vec![[T::ZERO; BLOCK]; C * count];
+        let (mut lanes, mut blocks_since) = (Vec::new(), 0);
+        self.for_each_chunk(directions, |range, blocks| {
+            load_samples(&samples[range], &mut lanes);
+            dispatch(Projection { blocks, samples: &lanes, partial: &mut partial });
+            blocks_since += lanes.len();
+            if blocks_since >= BLOCKS_AT_ONCE {
+                flush(&mut partial, &mut sums);
+                blocks_since = 0;
             }
-        }
+        });
+        flush(&mut partial, &mut sums);
         out.iter_mut().zip(sums).for_each(|(out, sum)| *out = T::from_f64(sum));
     }
 
@@ -68,8 +64,7 @@ impl<T: Real> Basis<T> {
     /// - `directions`: `[D]`, unit length
     /// - `out`: `[D]` of `C` channels, overwritten
     ///
-    /// Works on several directions at once. Accuracy as of [`reconstruct`](crate::reconstruct). Does not allocate up to the
-    /// order at which `T` has the range for the recurrence (128 in `f32`).
+    /// Works on several directions at once. Accuracy as of [`reconstruct`](crate::reconstruct). Allocates room for some blocks.
     ///
     /// ```
     /// use sh_core::{Basis, Order};
@@ -89,26 +84,23 @@ impl<T: Real> Basis<T> {
         let count = self.order().coeff_count();
         assert_length("coeffs", coeffs.len(), C * count);
         assert_length("out", out.len(), directions.len());
-        if self.is_native() {
-            dispatch(Reconstruction { basis: self, coeffs, directions, out });
+        if C == 0 {
             return;
         }
-        let mut y = vec![T::ZERO; count];
-        for (&direction, out) in directions.iter().zip(out) {
-            self.eval(direction, &mut y);
-            for (out, coeffs) in out.iter_mut().zip(coeffs.chunks_exact(count)) {
-                *out = crate::dot(coeffs, &y);
-            }
-        }
+        self.for_each_chunk(directions, |range, blocks| {
+            dispatch(Reconstruction { coeffs, blocks, out: &mut out[range] });
+        });
     }
 }
 
-/// [`Basis::project`] in lanes.
+/// [`Basis::project`] in lanes: adds to partial sums.
 struct Projection<'a, T, const C: usize> {
-    basis: &'a Basis<T>,
-    directions: &'a [[T; 3]],
-    samples: &'a [[T; C]],
-    sums: &'a mut [f64],
+    /// `[B, n², 16]`: the basis.
+    blocks: &'a [[T; BLOCK]],
+    /// `[B, C, 16]`
+    samples: &'a [[[T; BLOCK]; C]],
+    /// `[C, n², 16]`
+    partial: &'a mut [[T; BLOCK]],
 }
 
 impl<T: Real, const C: usize> Kernel<T> for Projection<'_, T, C> {
@@ -116,69 +108,49 @@ impl<T: Real, const C: usize> Kernel<T> for Projection<'_, T, C> {
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let count = self.basis.order().coeff_count();
-        let mut partial: Vec<V> = vec![V::splat(T::ZERO); C * count];
-        let mut groups = 0;
-        for (group, direction) in Groups::<T, V>::new(self.directions) {
-            let samples = load_samples(&self.samples[group]);
-            self.basis
-                .eval_lanes(direction, &mut Accumulate { sums: &mut partial, samples, count, scalar: PhantomData });
-            groups += 1;
-            if groups == GROUPS_AT_ONCE {
-                flush(&mut partial, self.sums);
-                groups = 0;
+        let Self { blocks, samples, partial } = self;
+        let count = blocks.len() / samples.len();
+        for lane in (0..BLOCK).step_by(V::WIDTH) {
+            for i in 0..count {
+                let mut sums = [V::splat(T::ZERO); C];
+                for (y, samples) in blocks[i..].iter().step_by(count).zip(samples) {
+                    let y = V::load(&y[lane..]);
+                    for (sum, sample) in sums.iter_mut().zip(samples) {
+                        *sum = V::load(&sample[lane..]).mul_add(y, *sum);
+                    }
+                }
+                for (c, sum) in sums.into_iter().enumerate() {
+                    let partial = &mut partial[c * count + i][lane..];
+                    (V::load(partial) + sum).store(partial);
+                }
             }
         }
-        flush(&mut partial, self.sums);
     }
 }
 
-/// Adds `y_i` times the samples to sums `[C, n²]`.
-struct Accumulate<'a, T, V, const C: usize> {
-    sums: &'a mut [V],
-    samples: [V; C],
-    count: usize,
-    scalar: PhantomData<T>,
+/// Samples `[D]` of `C` channels into `[⌈D/16⌉, C, 16]`; 0 in lanes without a sample.
+fn load_samples<T: Real, const C: usize>(samples: &[[T; C]], lanes: &mut Vec<[[T; BLOCK]; C]>) {
+    lanes.clear();
+    lanes.extend(samples.chunks(BLOCK).map(|samples| {
+        core::array::from_fn(|c| core::array::from_fn(|k| samples.get(k).map_or(T::ZERO, |sample| sample[c])))
+    }));
 }
 
-impl<T: Real, V: Lanes<T>, const C: usize> Sink<V> for Accumulate<'_, T, V, C> {
-    #[inline(always)]
-    fn put(&mut self, i: usize, value: V) {
-        for (c, &sample) in self.samples.iter().enumerate() {
-            let sum = &mut self.sums[c * self.count + i];
-            *sum = sample.mul_add(value, *sum);
-        }
-    }
-}
-
-/// The channels of a group of samples in lanes; 0 in lanes without a sample.
-#[inline(always)]
-fn load_samples<T: Real, V: Lanes<T>, const C: usize>(samples: &[[T; C]]) -> [V; C] {
-    let mut channels = [V::splat(T::ZERO); C];
-    for (c, channel) in channels.iter_mut().enumerate() {
-        let mut lanes = [T::ZERO; MAX_WIDTH];
-        lanes.iter_mut().zip(samples).for_each(|(lane, sample)| *lane = sample[c]);
-        *channel = V::load(&lanes);
-    }
-    channels
-}
-
-/// Moves the lanes of partial sums on.
-#[inline(always)]
-fn flush<T: Real, V: Lanes<T>>(partial: &mut [V], sums: &mut [f64]) {
+/// Moves partial sums on.
+fn flush<T: Real>(partial: &mut [[T; BLOCK]], sums: &mut [f64]) {
     for (partial, sum) in partial.iter_mut().zip(sums) {
-        let mut lanes = [T::ZERO; MAX_WIDTH];
-        partial.store(&mut lanes);
-        *sum += lanes.into_iter().map(T::to_f64).sum::<f64>();
-        *partial = V::splat(T::ZERO);
+        *sum += partial.iter().map(|lane| lane.to_f64()).sum::<f64>();
+        *partial = [T::ZERO; BLOCK];
     }
 }
 
 /// [`Basis::reconstruct`] in lanes.
 struct Reconstruction<'a, T, const C: usize> {
-    basis: &'a Basis<T>,
+    /// `[C, n²]`
     coeffs: &'a [T],
-    directions: &'a [[T; 3]],
+    /// `[⌈D/16⌉, n², 16]`: the basis.
+    blocks: &'a [[T; BLOCK]],
+    /// `[D]`
     out: &'a mut [[T; C]],
 }
 
@@ -187,31 +159,27 @@ impl<T: Real, const C: usize> Kernel<T> for Reconstruction<'_, T, C> {
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let count = self.basis.order().coeff_count();
-        for (group, direction) in Groups::<T, V>::new(self.directions) {
-            let mut dots = Dots { coeffs: self.coeffs, sums: [V::splat(T::ZERO); C], count };
-            self.basis.eval_lanes(direction, &mut dots);
-            for (c, sum) in dots.sums.into_iter().enumerate() {
-                let mut lanes = [T::ZERO; MAX_WIDTH];
-                sum.store(&mut lanes);
-                self.out[group.clone()].iter_mut().zip(lanes).for_each(|(out, lane)| out[c] = lane);
+        let Self { coeffs, blocks, out } = self;
+        let count = coeffs.len() / C;
+        for (out, block) in out.chunks_mut(BLOCK).zip(blocks.chunks_exact(count)) {
+            let mut values = [[T::ZERO; BLOCK]; C];
+            for lane in (0..BLOCK).step_by(V::WIDTH) {
+                let mut sums = [V::splat(T::ZERO); C];
+                for (i, y) in block.iter().enumerate() {
+                    let y = V::load(&y[lane..]);
+                    for (c, sum) in sums.iter_mut().enumerate() {
+                        *sum = V::splat(coeffs[c * count + i]).mul_add(y, *sum);
+                    }
+                }
+                for (values, sum) in values.iter_mut().zip(sums) {
+                    sum.store(&mut values[lane..]);
+                }
             }
-        }
-    }
-}
-
-/// Adds `coeffs[c, i] y_i` to the value of each channel.
-struct Dots<'a, T, V, const C: usize> {
-    coeffs: &'a [T],
-    sums: [V; C],
-    count: usize,
-}
-
-impl<T: Real, V: Lanes<T>, const C: usize> Sink<V> for Dots<'_, T, V, C> {
-    #[inline(always)]
-    fn put(&mut self, i: usize, value: V) {
-        for (c, sum) in self.sums.iter_mut().enumerate() {
-            *sum = V::splat(self.coeffs[c * self.count + i]).mul_add(value, *sum);
+            for (k, out) in out.iter_mut().enumerate() {
+                for (out, values) in out.iter_mut().zip(&values) {
+                    *out = values[k];
+                }
+            }
         }
     }
 }

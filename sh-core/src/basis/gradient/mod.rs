@@ -25,7 +25,7 @@ mod tabled;
 #[cfg(feature = "alloc")]
 pub use tabled::BasisGradient;
 
-use super::eval;
+use super::{Sink, Source, Values, eval};
 use crate::order::assert_length;
 use crate::simd::Lanes;
 use crate::{Order, Real};
@@ -59,7 +59,7 @@ use crate::{Order, Real};
 pub fn eval_gradient<T: Real>(order: Order, direction: [T; 3], values: &mut [T], gradients: &mut [T]) {
     assert_length("gradients", gradients.len(), 3 * order.coeff_count());
     eval(order, direction, values);
-    tangent_gradient(order, direction, values, Computed, gradients);
+    tangent_gradient(order, direction, &&*values, Computed, &mut Values(gradients));
 }
 
 /// Evaluates all basis functions with their gradients and Hessians at a direction.
@@ -111,7 +111,7 @@ fn hessian_from_values<T: Real>(
     solid_gradient(order, values, factors, gradients);
     solid_hessian(order, gradients, factors, hessians);
     turn_tangent_hessian(order, direction, values, gradients, hessians);
-    tangent_gradient(order, direction, values, factors, gradients);
+    tangent_gradient(order, direction, &values, factors, &mut Values(gradients));
 }
 
 /// Where `a`, `b`, `c` of the head of the module come from, with the √2 of `y_l−1,0` in them.
@@ -137,7 +137,10 @@ impl<T: Real> Factors<T> for Computed {
 
 /// The gradients `[3, n²]` of the solid harmonics, from their values `[n²]`.
 fn solid_gradient<T: Real>(order: Order, values: &[T], factors: impl Factors<T>, gradients: &mut [T]) {
-    for_each_gradient(order, values, factors, gradients, |_| [T::ZERO; 3]);
+    let count = order.coeff_count();
+    for l in 0..order.get() {
+        band_gradient::<T, T>(l, count, &values, factors, &mut Values(gradients), [T::ZERO; 3]);
+    }
 }
 
 /// The gradients `[3, n²]` of functions on the sphere, from their values `[n²]`.
@@ -145,53 +148,15 @@ fn solid_gradient<T: Real>(order: Order, values: &[T], factors: impl Factors<T>,
 fn tangent_gradient<T: Real, V: Lanes<T>>(
     order: Order,
     direction: [V; 3],
-    values: &[V],
+    values: &impl Source<V>,
     factors: impl Factors<T>,
-    gradients: &mut [V],
-) {
-    for_each_gradient(order, values, factors, gradients, |l| {
-        let factor = V::splat(T::from_f64(-(l as f64)));
-        direction.map(|s| factor * s)
-    });
-}
-
-/// `∇(r^l y) + radial(l) y` for all `y`.
-#[inline(always)]
-fn for_each_gradient<T: Real, V: Lanes<T>>(
-    order: Order,
-    values: &[V],
-    factors: impl Factors<T>,
-    gradients: &mut [V],
-    radial: impl Fn(usize) -> [V; 3],
+    gradients: &mut impl Sink<V>,
 ) {
     let count = order.coeff_count();
-    let (values, mut gradients) = (&values[..count], components(gradients, count));
-    gradients.iter_mut().for_each(|component| component[0] = V::splat(T::ZERO));
-    for l in 1..order.get() {
-        band_gradient(l, values, factors, &mut gradients, radial(l));
-    }
-}
-
-/// Band `l` of it.
-#[inline(always)]
-fn band_gradient<T: Real, V: Lanes<T>>(
-    l: usize,
-    values: &[V],
-    factors: impl Factors<T>,
-    [x, y, z]: &mut [&mut [V]; 3],
-    [rx, ry, rz]: [V; 3],
-) {
-    let (below, centre) = (&values[(l - 1) * (l - 1)..l * l], l * (l + 1));
-    for m in 0..=l {
-        let [plus, minus] = raise(below, l, m, factors.get(l, m));
-        let add = |i: usize, [gx, gy, gz]: [V; 3]| {
-            let value = values[i];
-            [rx.mul_add(value, gx), ry.mul_add(value, gy), rz.mul_add(value, gz)]
-        };
-        [x[centre + m], y[centre + m], z[centre + m]] = add(centre + m, plus);
-        if m > 0 {
-            [x[centre - m], y[centre - m], z[centre - m]] = add(centre - m, minus);
-        }
+    for l in 0..order.get() {
+        let [x, y, z] = direction;
+        let factor = V::splat(T::from_f64(-(l as f64)));
+        band_gradient(l, count, values, factors, gradients, [factor * x, factor * y, factor * z]);
     }
 }
 
@@ -199,46 +164,76 @@ fn band_gradient<T: Real, V: Lanes<T>>(
 #[cfg(feature = "alloc")]
 #[inline(always)]
 fn small_tangent_gradient<T: Real, V: Lanes<T>, const N: usize>(
-    direction: [V; 3],
-    values: &[V],
+    [x, y, z]: [V; 3],
+    values: &impl Source<V>,
     factors: impl Factors<T>,
-    gradients: &mut [V],
+    gradients: &mut impl Sink<V>,
 ) {
-    let (values, mut gradients) = (&values[..N * N], components(gradients, N * N));
-    gradients.iter_mut().for_each(|component| component[0] = V::splat(T::ZERO));
     macro_rules! bands {
         ($($l:literal)+) => {
             $(if N > $l {
                 let factor = V::splat(T::from_f64(-$l as f64));
-                band_gradient($l, values, factors, &mut gradients, direction.map(|s| factor * s));
+                band_gradient($l, N * N, values, factors, gradients, [factor * x, factor * y, factor * z]);
             })+
         };
     }
-    bands!(1 2 3 4 5 6 7 8 9);
+    bands!(0 1 2 3);
 }
 
-/// Slices of the three components.
+/// Band `l` of `∇(r^l y) + radial y`.
 #[inline(always)]
-fn components<V>(gradients: &mut [V], count: usize) -> [&mut [V]; 3] {
-    let (x, yz) = gradients.split_at_mut(count);
-    let (y, z) = yz.split_at_mut(count);
-    [x, y, &mut z[..count]]
+fn band_gradient<T: Real, V: Lanes<T>>(
+    l: usize,
+    count: usize,
+    values: &impl Source<V>,
+    factors: impl Factors<T>,
+    gradients: &mut impl Sink<V>,
+    radial: [V; 3],
+) {
+    let centre = l * (l + 1);
+    for m in 0..=l {
+        let [plus, minus] = if l == 0 { [[V::splat(T::ZERO); 3]; 2] } else { raise(values, l, m, factors.get(l, m)) };
+        put_gradient(centre + m, count, values, plus, radial, gradients);
+        if m > 0 {
+            put_gradient(centre - m, count, values, minus, radial, gradients);
+        }
+    }
+}
+
+#[inline(always)]
+fn put_gradient<T: Real, V: Lanes<T>>(
+    i: usize,
+    count: usize,
+    values: &impl Source<V>,
+    solid: [V; 3],
+    radial: [V; 3],
+    gradients: &mut impl Sink<V>,
+) {
+    let value = values.get(i);
+    for axis in 0..3 {
+        gradients.put(axis * count + i, radial[axis].mul_add(value, solid[axis]));
+    }
 }
 
 /// The derivatives of the solid harmonics `±m` of band `l` by x, y, z, from the values of band `l − 1`.
 #[inline(always)]
-fn raise<T: Real, V: Lanes<T>>(below: &[V], l: usize, m: usize, factors: [T; 3]) -> [[V; 3]; 2] {
-    let ([a, b, c], zero) = (factors.map(V::splat), V::splat(T::ZERO));
-    // y_l−1,±k, and nothing beyond the band.
-    let pair = |k: usize| if k < l { [below[l - 1 + k], below[l - 1 - k]] } else { [zero; 2] };
-    let [same, same_minus] = pair(m);
-    let [up, up_minus] = pair(m + 1);
+fn raise<T: Real, V: Lanes<T>>(values: &impl Source<V>, l: usize, m: usize, [a, b, c]: [T; 3]) -> [[V; 3]; 2] {
+    let ([a, b, c], zero) = ([V::splat(a), V::splat(b), V::splat(c)], V::splat(T::ZERO));
+    let below = l * (l - 1);
+    let [same, same_minus] = pair(values, below, l, m, zero);
+    let [up, up_minus] = pair(values, below, l, m + 1, zero);
     if m == 0 {
         return [[a * up, a * up_minus, c * same], [zero; 3]];
     }
-    let [down, down_minus] = if m == 1 { [below[l - 1], zero] } else { pair(m - 1) };
+    let [down, down_minus] = if m == 1 { [values.get(below), zero] } else { pair(values, below, l, m - 1, zero) };
     let [up, up_minus, down, down_minus] = [a * up, a * up_minus, b * down, b * down_minus];
     [[up - down, up_minus + down_minus, c * same], [up_minus - down_minus, -(up + down), c * same_minus]]
+}
+
+/// `y_l−1,±k` about the centre of the band, and nothing beyond its ends.
+#[inline(always)]
+fn pair<V: Copy>(values: &impl Source<V>, below: usize, l: usize, k: usize, zero: V) -> [V; 2] {
+    if k < l { [values.get(below + k), values.get(below - k)] } else { [zero; 2] }
 }
 
 /// The second derivatives `[6, n²]` of the solid harmonics, from their gradients `[3, n²]`.
@@ -249,9 +244,9 @@ fn solid_hessian<T: Real>(order: Order, gradients: &[T], factors: impl Factors<T
     hessians.iter_mut().step_by(count).for_each(|h| *h = T::ZERO);
     for (gradient, new) in gradients.chunks_exact(count).zip(NEW) {
         for l in 1..order.get() {
-            let (below, centre) = (&gradient[(l - 1) * (l - 1)..l * l], l * (l + 1));
+            let centre = l * (l + 1);
             for m in 0..=l {
-                let [plus, minus] = raise(below, l, m, factors.get(l, m));
+                let [plus, minus] = raise::<T, T>(&gradient, l, m, factors.get(l, m));
                 for &(axis, place) in new {
                     // For m = 0 the first of the two is overwritten by the second.
                     hessians[place * count + centre - m] = minus[axis];

@@ -1,12 +1,9 @@
 //! Derivatives with tables, and at many directions.
 
-use alloc::vec;
 use alloc::vec::Vec;
-use core::ops::Range;
 
-use super::super::batch::{BLOCK, BlockLanes, Groups, prefetch_ahead, store_rows};
-use super::super::recurrence::{self, Tabled};
-use super::super::{Basis, Sink, Tables, Values, unrolled};
+use super::super::batch::{BLOCK, Groups, Part, PartMut, Transpose, clear_unused};
+use super::super::{Basis, Values};
 use super::{Computed, Factors, hessian_from_values, small_tangent_gradient, tangent_gradient};
 use crate::order::assert_length;
 use crate::simd::{Kernel, Lanes, dispatch};
@@ -68,7 +65,8 @@ impl<T: Real> BasisGradient<T> {
     pub fn eval(&self, direction: [T; 3], values: &mut [T], gradients: &mut [T]) {
         assert_length("gradients", gradients.len(), 3 * self.order().coeff_count());
         self.basis.eval(direction, values);
-        tangent_gradient(self.order(), direction, values, self.factors.as_slice(), gradients);
+        let factors = self.factors.as_slice();
+        tangent_gradient(self.order(), direction, &&*values, factors, &mut Values(gradients));
     }
 
     /// Evaluates all basis functions, gradients and Hessians at a unit direction, as
@@ -93,7 +91,7 @@ impl<T: Real> BasisGradient<T> {
     /// - `values`: `[D, n²]`, overwritten
     /// - `gradients`: `[D, 3, n²]`, overwritten
     ///
-    /// In registers across directions, as [`Basis::eval_batch`]. Allocates room for one group of directions.
+    /// In registers across directions, as [`Basis::eval_batch`]. Allocates room for some blocks.
     ///
     /// # Panics
     /// If a slice length does not match.
@@ -101,19 +99,15 @@ impl<T: Real> BasisGradient<T> {
         let count = self.order().coeff_count();
         assert_length("values", values.len(), directions.len() * count);
         assert_length("gradients", gradients.len(), directions.len() * 3 * count);
-        match &self.basis.tables {
-            Tables::Wide(_) => {
-                let outs = values.chunks_exact_mut(count).zip(gradients.chunks_exact_mut(3 * count));
-                directions.iter().zip(outs).for_each(|(&s, (values, gradients))| self.eval(s, values, gradients));
-            }
-            tables => dispatch(Many {
-                order: self.order(),
-                tables,
-                factors: &self.factors,
-                directions,
-                out: Rows { values, gradients },
-            }),
-        }
+        let mut scratch: Vec<T> = Vec::new();
+        self.basis.for_each_chunk(directions, |range, blocks| {
+            scratch.resize(3 * blocks.len() * BLOCK, T::ZERO);
+            self.gradient_blocks(&directions[range.clone()], blocks, &mut scratch);
+            let (start, directions) = (range.start, range.len());
+            dispatch(Transpose { blocks, count, directions, out: &mut values[start * count..] });
+            let (blocks, out) = (scratch.as_chunks().0, &mut gradients[3 * start * count..]);
+            dispatch(Transpose { blocks, count: 3 * count, directions, out });
+        });
     }
 
     /// Evaluates all basis functions and their gradients at many unit directions, in coefficient-major blocks.
@@ -130,135 +124,45 @@ impl<T: Real> BasisGradient<T> {
         let (count, blocks) = (self.order().coeff_count(), directions.len().div_ceil(BLOCK));
         assert_length("values", values.len(), blocks * count * BLOCK);
         assert_length("gradients", gradients.len(), blocks * 3 * count * BLOCK);
-        let used = directions.len() % BLOCK;
-        let (values, gradients) = (values.as_chunks_mut().0, gradients.as_chunks_mut().0);
-        match &self.basis.tables {
-            Tables::Wide(_) => self.eval_wide_blocks(directions, values, gradients),
-            tables => dispatch(Many {
-                order: self.order(),
-                tables,
-                factors: &self.factors,
-                directions,
-                out: InBlocks { values, gradients },
-            }),
-        }
-        if used > 0 {
-            let last = directions.len() / BLOCK;
-            let unused = values[last * count..].iter_mut().chain(&mut gradients[3 * last * count..]);
-            unused.for_each(|row| row[used..].fill(T::ZERO));
-        }
+        self.basis.eval_blocks(directions, values);
+        self.gradient_blocks(directions, values.as_chunks().0, gradients);
+        clear_unused(directions.len(), 3 * count, gradients);
     }
 
-    /// Orders beyond the range of `T`, one direction at a time.
-    fn eval_wide_blocks(&self, directions: &[[T; 3]], values: &mut [[T; BLOCK]], gradients: &mut [[T; BLOCK]]) {
-        let count = self.order().coeff_count();
-        let (mut y, mut gradient) = (vec![T::ZERO; count], vec![T::ZERO; 3 * count]);
-        for (d, &direction) in directions.iter().enumerate() {
-            self.eval(direction, &mut y, &mut gradient);
-            let (block, k) = (d / BLOCK, d % BLOCK);
-            values[block * count..].iter_mut().zip(&y).for_each(|(row, &y)| row[k] = y);
-            gradients[3 * block * count..].iter_mut().zip(&gradient).for_each(|(row, &g)| row[k] = g);
-        }
+    /// The gradients, from the values.
+    fn gradient_blocks(&self, directions: &[[T; 3]], values: &[[T; BLOCK]], gradients: &mut [T]) {
+        let (order, factors) = (self.order(), self.factors.as_slice());
+        dispatch(Gradients { order, factors, directions, values, gradients: gradients.as_chunks_mut().0 });
     }
 }
 
-/// Where the values and gradients of a group of directions go.
-trait Output<T, V> {
-    /// Takes `y: [n²]` and `gradient: [3, n²]` of the directions `group`.
-    fn put(&mut self, group: Range<usize>, y: &[V], gradient: &[V]);
-}
-
-/// `[D, n²]` and `[D, 3, n²]`.
-struct Rows<'a, T> {
-    values: &'a mut [T],
-    gradients: &'a mut [T],
-}
-
-impl<T: Real, V: Lanes<T>> Output<T, V> for Rows<'_, T> {
-    #[inline(always)]
-    fn put(&mut self, group: Range<usize>, y: &[V], gradient: &[V]) {
-        prefetch_ahead::<T, V>(self.values, y.len(), &group);
-        prefetch_ahead::<T, V>(self.gradients, gradient.len(), &group);
-        store_rows(y, &mut self.values[group.start * y.len()..group.end * y.len()]);
-        store_rows(gradient, &mut self.gradients[group.start * gradient.len()..group.end * gradient.len()]);
-    }
-}
-
-/// `[B, n², 16]` and `[B, 3, n², 16]`.
-struct InBlocks<'a, T> {
-    values: &'a mut [[T; BLOCK]],
+/// Gradients in blocks, in lanes.
+struct Gradients<'a, T> {
+    order: Order,
+    factors: &'a [[T; 3]],
+    directions: &'a [[T; 3]],
+    values: &'a [[T; BLOCK]],
     gradients: &'a mut [[T; BLOCK]],
 }
 
-impl<T: Real, V: Lanes<T>> Output<T, V> for InBlocks<'_, T> {
+impl<T: Real> Kernel<T> for Gradients<'_, T> {
+    type Output = ();
+
     #[inline(always)]
-    fn put(&mut self, group: Range<usize>, y: &[V], gradient: &[V]) {
-        let (block, part) = (group.start / BLOCK, group.start % BLOCK / V::WIDTH);
-        for (rows, out) in [(y, &mut *self.values), (gradient, &mut *self.gradients)] {
-            let mut lanes = BlockLanes { out: &mut out[block * rows.len()..][..rows.len()], part };
-            for (i, &row) in rows.iter().enumerate() {
-                lanes.put(i, row);
+    fn run<V: Lanes<T>>(self) {
+        let Self { order, factors, directions, values, gradients } = self;
+        let count = order.coeff_count();
+        for (group, direction) in Groups::<T, V>::new(directions) {
+            let (block, part) = (group.start / BLOCK, group.start % BLOCK / V::WIDTH);
+            let values = &Part { rows: &values[block * count..][..count], part };
+            let gradients = &mut PartMut { rows: &mut gradients[3 * block * count..][..3 * count], part };
+            // The smallest orders gain most, and are short.
+            match order.get() {
+                2 => small_tangent_gradient::<T, V, 2>(direction, values, factors, gradients),
+                3 => small_tangent_gradient::<T, V, 3>(direction, values, factors, gradients),
+                4 => small_tangent_gradient::<T, V, 4>(direction, values, factors, gradients),
+                _ => tangent_gradient(order, direction, values, factors, gradients),
             }
-        }
-    }
-}
-
-/// Values and gradients at many directions, in lanes.
-struct Many<'a, T, O> {
-    order: Order,
-    tables: &'a Tables<T>,
-    factors: &'a [[T; 3]],
-    directions: &'a [[T; 3]],
-    out: O,
-}
-
-/// A kernel whose output takes any lanes.
-macro_rules! impl_kernel {
-    ($output:ident) => {
-        impl<T: Real> Kernel<T> for Many<'_, T, $output<'_, T>> {
-            type Output = ();
-
-            #[inline(always)]
-            fn run<V: Lanes<T>>(self) {
-                match self.tables {
-                    Tables::Native(tables) => self.run_tabled::<V>(tables),
-                    _ => { small_order!(self.order, N => self.run_small::<V, N>(), else unreachable!("small orders have no tables")); }
-                }
-            }
-        }
-    };
-}
-
-impl_kernel!(Rows);
-impl_kernel!(InBlocks);
-
-impl<T: Real, O> Many<'_, T, O> {
-    #[inline(always)]
-    fn run_small<V: Lanes<T>, const N: usize>(mut self)
-    where
-        O: Output<T, V>,
-    {
-        const MAX_COUNT: usize = unrolled::MAX_ORDER * unrolled::MAX_ORDER;
-        let (mut y, mut gradient) = ([V::splat(T::ZERO); MAX_COUNT], [V::splat(T::ZERO); 3 * MAX_COUNT]);
-        let (y, gradient) = (&mut y[..N * N], &mut gradient[..3 * N * N]);
-        for (group, direction) in Groups::<T, V>::new(self.directions) {
-            unrolled::kernel::<T, V, N>(direction, &mut Values(&mut *y));
-            small_tangent_gradient::<T, V, N>(direction, y, self.factors, gradient);
-            self.out.put(group, y, gradient);
-        }
-    }
-
-    #[inline(always)]
-    fn run_tabled<V: Lanes<T>>(mut self, tables: &Tabled<T>)
-    where
-        O: Output<T, V>,
-    {
-        let count = self.order.coeff_count();
-        let (mut y, mut gradient) = (vec![V::splat(T::ZERO); count], vec![V::splat(T::ZERO); 3 * count]);
-        for (group, direction) in Groups::<T, V>::new(self.directions) {
-            recurrence::eval_lanes(self.order, direction, tables, &mut Values(&mut y));
-            tangent_gradient(self.order, direction, &y, self.factors, &mut gradient);
-            self.out.put(group, &y, &gradient);
         }
     }
 }
