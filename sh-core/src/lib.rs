@@ -79,7 +79,8 @@
 //! # Rotation
 //!
 //! Rotating `f` by `R` gives `g(s) = f(R⁻¹ s)`: a feature of `f` in the direction `d` is in the direction `R d` of `g`.
-//! [`ShRotation`] turns the coefficients of `f` into those of `g`, band by band.
+//! [`ShRotation`] turns the coefficients of `f` into those of `g`, band by band, for many expansions; [`rotate`] does it for
+//! one, without building a matrix.
 //!
 //! # Precision
 //!
@@ -92,7 +93,7 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`ScalingMatrix`], [`minimum`], projection, reconstruction of maps, [`polygon_light`], skies |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`Zxzxz`], [`Taylor`], [`ScalingMatrix`], [`minimum`], projection, reconstruction of maps, [`polygon_light`], skies |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
 //! | `glam` | no | [`RotationRows`] of glam's matrices and quaternions |
 //! | `nalgebra` | no | [`RotationRows`] of nalgebra's rotations and unit quaternions, [`ScalingMatrix`] as a `DMatrix`; implies `alloc` |

@@ -12,7 +12,7 @@ use crate::{Order, Real};
 ///
 /// `2n(n−1)` multiplications; the multiples of the angle by recurrence, in `T`. Does not allocate.
 ///
-/// Accuracy: `2e-7 n` in `f32` for coefficients up to 1, `4e-16 n` in `f64`; asserted by `tests/rotation_angles.rs`. A cosine and
+/// Accuracy: `2e-7 n` in `f32` for coefficients up to 1, `4e-16 n + 1e-15` in `f64`; asserted by `tests/rotation_angles.rs`. A cosine and
 /// sine whose length is `1 + e` scale the coefficients of `m` by `1 + me`. NaN in, NaN out.
 ///
 /// ```

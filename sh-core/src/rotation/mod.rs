@@ -1,6 +1,7 @@
 //! Rotation of expansions.
 
 mod about_z;
+mod cartesian;
 #[cfg(feature = "alloc")]
 mod exact;
 mod exchange;

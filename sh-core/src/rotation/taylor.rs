@@ -38,7 +38,11 @@ pub enum TaylorDegree {
 /// 2, so about `½((n−1)β)²` and `((n−1)β)³/6`; degree 1.5 is between them. n = 5 and β = 10°: worst 0.240 / 0.123 / 0.056, mean
 /// 0.060 / 0.035 / 0.010 for degree 1 / 1.5 / 2; asserted by `tests/rotation_taylor.rs`.
 ///
-/// Whether it pays, against [`rotate`](crate::rotate): `repro kkp/trade` of the workspace's benches measures it.
+/// For n ≤ 10 it does not pay on a CPU: the straight-line kernels of [`rotate`](crate::rotate) are exact and 1.3 to 2 times faster
+/// than any degree. Against tables ([`Zxzxz`](crate::Zxzxz)), which is what the paper compares with, degree 1.5 is 2.3 times faster for
+/// n = 6 and 10, 1.5 for n = 16, 3.5 for n = 64, where its error is below 1 % only up to β = 0.2°. What is left is hardware
+/// that lacks the registers or the program size for the exact way. `cargo run --release -p prt-benches --bin repro --
+/// kkp/trade` of the workspace measures all this.
 ///
 /// ```
 /// use sh_core::{Order, Taylor, TaylorDegree, Zyz, rotate_zyz, taylor_angle_limit};

@@ -1,5 +1,6 @@
 //! One expansion rotated at once: turns about z, and exchanges of y and z between them.
 
+use super::cartesian;
 use super::exchange::Rows;
 use super::unrolled;
 use super::zyz::{Turn, Zyz};
@@ -11,12 +12,12 @@ use crate::{Order, Real};
 /// `g(s) = f(R⁻¹ s)`, by `R = Z(α) Y(β) Z(γ)` and `Y(β) = E Z(−β) E`, where `E` exchanges y and z: the `ZXZXZ` method with
 /// mirror images for the quarter turns about x. The angles come from the matrix without any trigonometry, see [`Zyz`].
 ///
-/// - `matrix`: rows of `R`, orthogonal; see [`Zyz::from_matrix`] for rounded matrices, mirror images, and NaN, which makes
-///   all bands but 0 NaN
+/// - `matrix`: rows of `R`, orthogonal; see [`Zyz::from_matrix`] for rounded matrices and mirror images. If an entry that is
+///   read is not finite, no coefficient but that of band 0 is.
 /// - `coeffs`: `[n²]`
 /// - `out`: `[n²]`, overwritten
 ///
-/// Straight-line kernels for n ≤ 10. Beyond, the factors of `E` are computed on the way, in `f64`, with about `5n³`
+/// Products with the matrix for n ≤ 3, straight-line kernels for n ≤ 10. Beyond, the factors of `E` are computed on the way, in `f64`, with about `5n³`
 /// operations: [`Zxzxz`](crate::Zxzxz) keeps them. For many expansions turned alike there is
 /// [`ShRotation`](crate::ShRotation). Does not allocate.
 ///
@@ -41,7 +42,12 @@ use crate::{Order, Real};
 ///
 /// Source: [SLS05](crate#references), "Digression on SH rotation"; [KKP05](crate#references) section 2.2.
 pub fn rotate<T: Real>(order: Order, matrix: [[T; 3]; 3], coeffs: &[T], out: &mut [T]) {
-    rotate_zyz(order, &Zyz::from_matrix(matrix), coeffs, out);
+    if order.get() > 3 {
+        return rotate_zyz(order, &Zyz::from_matrix(matrix), coeffs, out);
+    }
+    assert_length("coeffs", coeffs.len(), order.coeff_count());
+    assert_length("out", out.len(), order.coeff_count());
+    cartesian::rotate(&matrix, coeffs, out);
 }
 
 /// Rotates one expansion by a quaternion `[x, y, z, w]`, of any length but 0. Otherwise as [`rotate`].

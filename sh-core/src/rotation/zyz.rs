@@ -37,8 +37,7 @@ impl<T: Real> Zyz<T> {
     /// Mirror images (determinant −1) are rotations followed by `s → −s`, and are as good as rotations.
     ///
     /// The third column and the first two rows are read. A matrix that is off by `e` from orthogonal gives a rotation that
-    /// is off by about `e`, whose cosines and sines have length 1 to `e²`: rounded matrices are safe, 1e-3 is the practical limit in
-    /// `f32`. A matrix far from orthogonal gives a meaningless result, which is finite if its squares are; with infinite or
+    /// is off by about `e`, whose cosines and sines have length 1 to `e²`: rounded matrices are safe. A matrix far from orthogonal gives a meaningless result, which is finite if its squares are; with infinite or
     /// NaN entries the result is NaN. There is no panic.
     #[inline(always)]
     pub fn from_matrix(matrix: [[T; 3]; 3]) -> Self {
