@@ -17,7 +17,13 @@ mod sealed {
     impl Batches for f64 {}
 
     /// Closes [`Real`](super::Real), and holds what only this crate needs to know of a scalar.
-    pub trait Sealed: crate::simd::Registers + crate::product::Sampled + crate::rotation::Quads + Batches {
+    pub trait Sealed:
+        crate::simd::Registers
+        + crate::product::Sampled
+        + crate::rotation::Quads
+        + crate::rotation::BandValues
+        + Batches
+    {
         /// Largest order that the recurrence evaluates in this type; above it, it works in `f64` and rounds.
         ///
         /// Near a pole the recurrence multiplies the tiny `sin^m theta` by factors of up to `10^(0.21 n)`. Both must fit

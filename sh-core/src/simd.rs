@@ -91,6 +91,16 @@ impl Level {
         Self::Portable
     }
 
+    /// The same without registers of 512 bits.
+    #[inline]
+    fn narrow(self) -> Self {
+        match self {
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Self::Avx512 => Self::Avx2,
+            level => level,
+        }
+    }
+
     /// All that this machine has.
     #[cfg(test)]
     pub(crate) fn available() -> impl Iterator<Item = Self> {
@@ -110,6 +120,12 @@ impl Level {
 #[inline]
 pub(crate) fn dispatch<T: Real, K: Kernel<T>>(kernel: K) -> K::Output {
     run_at(Level::best(), kernel)
+}
+
+/// Runs a kernel with registers of at most eight numbers.
+#[inline]
+pub(crate) fn dispatch_narrow<T: Real, K: Kernel<T>>(kernel: K) -> K::Output {
+    run_at(Level::best().narrow(), kernel)
 }
 
 /// Runs a kernel at a level. One that the machine does not have is replaced by the portable one.
@@ -476,10 +492,16 @@ mod x86 {
 
                 #[inline(always)]
                 fn load_square(rows: &mut [Self], stride: usize, values: &[$scalar]) {
-                    let columns: [_; $width] = core::array::from_fn(|d| Self::load(&values[d * stride..]).0);
+                    let mut columns = [Self::load(values).0; $width];
+                    for d in 1..$width {
+                        columns[d] = Self::load(&values[d * stride..]).0;
+                    }
                     let rows = rows.first_chunk_mut::<$width>().expect("a square");
                     // SAFETY: the feature is there, see the head of the module.
-                    *rows = unsafe { $transpose(columns) }.map(Self);
+                    let columns = unsafe { $transpose(columns) };
+                    for j in 0..$width {
+                        rows[j] = Self(columns[j]);
+                    }
                 }
             }
 
@@ -531,9 +553,14 @@ mod x86 {
                 fn store_square(rows: &[Self], stride: usize, out: &mut [$scalar]) {
                     let rows = rows.first_chunk::<$width>().expect("a square");
                     // SAFETY: the feature is there, see the head of the module.
-                    let columns = unsafe { $transpose(rows.map(|row| row.0)) };
-                    for (d, column) in columns.into_iter().enumerate() {
-                        Self(column).store(&mut out[d * stride..]);
+                    let mut registers = [rows[0].0; $width];
+                    for j in 1..$width {
+                        registers[j] = rows[j].0;
+                    }
+                    // SAFETY: the feature is there, see the head of the module.
+                    let columns = unsafe { $transpose(registers) };
+                    for d in 0..$width {
+                        Self(columns[d]).store(&mut out[d * stride..]);
                     }
                 }
                 #[inline(always)]

@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use sh_core::{
-    BLOCK, Basis, BasisGradient, CubeMap, LatLong, Order, ProductTransform, Real, ShRotation, eval, fibonacci, product,
-    project_cube, project_lat_long, rotate,
+    BLOCK, Basis, BasisGradient, CubeMap, LatLong, Order, ProductTransform, Real, Sh, ShRotation, eval, fibonacci,
+    product, project_cube, project_lat_long, rotate,
 };
 use sphrs::{Coordinates, HarmonicsSet, RealSH};
 
@@ -180,11 +180,24 @@ fn gradient_blocks(n: usize) -> f64 {
 }
 
 fn single_directions(rows: &mut Vec<Vec<String>>) -> Result<()> {
-    for n in [3, 4, 6, 10] {
+    let fixed: [(usize, fn() -> f64); 4] =
+        [(3, one_fixed::<9>), (4, one_fixed::<16>), (6, one_fixed::<36>), (10, one_fixed::<100>)];
+    for (n, one_fixed) in fixed {
+        let best = compare(|| Ok(sphrs(n)), one_fixed)?;
+        rows.push(row("one direction, f64, `Sh::basis`", n, "sphrs", best, "15"));
         let best = compare(|| Ok(sphrs(n)), || one_direction(n))?;
-        rows.push(row("one direction, f64", n, "sphrs", best, "15"));
+        rows.push(row("one direction, f64, `eval`", n, "sphrs", best, "15"));
     }
     Ok(())
+}
+
+fn one_fixed<const LEN: usize>() -> f64 {
+    let directions = fibonacci(1000);
+    time(directions.len(), || {
+        for direction in &directions {
+            black_box(Sh::<f64, LEN>::basis(*black_box(direction)));
+        }
+    })
 }
 
 fn sphrs(n: usize) -> f64 {
@@ -201,8 +214,8 @@ fn sphrs(n: usize) -> f64 {
 fn one_direction(n: usize) -> f64 {
     let (directions, mut y) = (fibonacci(1000), vec![0.0; n * n]);
     time(directions.len(), || {
-        for &direction in &directions {
-            eval(order(n), black_box(direction), &mut y);
+        for direction in &directions {
+            eval(order(n), *black_box(direction), &mut y);
             black_box(&mut y);
         }
     })
@@ -237,8 +250,8 @@ fn one_rotation(n: usize) -> f64 {
     let matrices: Vec<[[f32; 3]; 3]> = fibonacci(1000).into_iter().map(turn).collect();
     let (f, mut out) = (coeffs(n * n), vec![0.0; n * n]);
     time(matrices.len(), || {
-        for &matrix in &matrices {
-            rotate(order(n), black_box(matrix), black_box(&f), &mut out);
+        for matrix in &matrices {
+            rotate(order(n), *black_box(matrix), black_box(&f), &mut out);
             black_box(&mut out);
         }
     })

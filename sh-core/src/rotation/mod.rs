@@ -16,6 +16,7 @@ mod tables;
 mod taylor;
 mod turn;
 mod unrolled;
+mod values;
 mod zxzxz;
 mod zyz;
 
@@ -29,5 +30,6 @@ pub(crate) use quad::Quads;
 pub use tables::Zxzxz;
 #[cfg(feature = "alloc")]
 pub use taylor::{Taylor, TaylorDegree, radiance_cache_angle_limit, taylor_angle_limit};
+pub(crate) use values::BandValues;
 pub use zxzxz::{rotate, rotate_quaternion, rotate_zyz};
 pub use zyz::Zyz;

@@ -3,6 +3,7 @@
 use super::cartesian;
 use super::exchange::Rows;
 use super::unrolled;
+use super::values;
 use super::zyz::{Turn, Zyz};
 use crate::order::assert_length;
 use crate::{Order, Real};
@@ -17,7 +18,7 @@ use crate::{Order, Real};
 /// - `coeffs`: `[n²]`
 /// - `out`: `[n²]`, overwritten
 ///
-/// Products with the matrix for n ≤ 3, straight-line kernels for n ≤ 10. Beyond, the factors of `E` are computed on the way, in `f64`, with about `5n³`
+/// Products with the matrix for n ≤ 3, and values at seven directions for band 3 of n = 4; straight-line kernels for n ≤ 10. Beyond, the factors of `E` are computed on the way, in `f64`, with about `5n³`
 /// operations: [`Zxzxz`](crate::Zxzxz) keeps them. For many expansions turned alike there is
 /// [`ShRotation`](crate::ShRotation). Does not allocate.
 ///
@@ -42,13 +43,20 @@ use crate::{Order, Real};
 ///
 /// Source: [SLS05](crate#references), "Digression on SH rotation"; [KKP05](crate#references) section 2.2.
 pub fn rotate<T: Real>(order: Order, matrix: [[T; 3]; 3], coeffs: &[T], out: &mut [T]) {
-    if order.get() > 3 {
+    if order.get() > CARTESIAN_MAX_ORDER {
         return rotate_zyz(order, &Zyz::from_matrix(matrix), coeffs, out);
     }
     assert_length("coeffs", coeffs.len(), order.coeff_count());
     assert_length("out", out.len(), order.coeff_count());
     cartesian::rotate(&matrix, coeffs, out);
+    if let (Some(coeffs), Some(out)) = (coeffs.first_chunk::<16>(), out.first_chunk_mut::<16>()) {
+        let (Some(coeffs), Some(out)) = (coeffs.last_chunk(), out.last_chunk_mut()) else { return };
+        values::rotate_band_3(&matrix, coeffs, out);
+    }
 }
+
+/// The largest order that needs no angles.
+const CARTESIAN_MAX_ORDER: usize = 4;
 
 /// Rotates one expansion by a quaternion `[x, y, z, w]`, of any length but 0. Otherwise as [`rotate`].
 ///
