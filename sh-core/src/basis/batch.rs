@@ -66,7 +66,8 @@ impl<T: Real> Basis<T> {
     /// - `out`: `[⌈D/16⌉, n², 16]`, overwritten
     ///
     /// The same values as [`Basis::eval_batch`], and faster: nothing is transposed. For the most speed pass so few
-    /// directions at a time that `out` stays in the first cache, and use them at once. Does not allocate up to the order at
+    /// directions at a time that `out` stays in the first cache, let it begin at a multiple of 64 bytes (a register that
+    /// straddles two lines takes twice as long to store), and use them at once. Does not allocate up to the order at
     /// which `T` has the range for the recurrence (128 in `f32`).
     ///
     /// ```
