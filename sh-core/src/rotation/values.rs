@@ -194,7 +194,7 @@ fn values<T: Real, V: Lanes<T>>(coeffs: &[T; 7], [x, y, z]: [V; 3]) -> V {
     // −√(35/(32π)), √(105/(4π)), −√(21/(32π)), √(7/(16π)), √(105/(16π))
     const A: f64 = -0.590_043_589_926_643_5;
     const B: f64 = 2.890_611_442_640_554;
-    const C: f64 = -0.457_045_799_464_465_77;
+    const C: f64 = -0.457_045_799_464_465_8;
     const E: f64 = 0.373_176_332_590_115_4;
     const F: f64 = 1.445_305_721_320_277;
     const NORMS: [f64; 7] = [A, B, C, E, C, F, A];
@@ -220,9 +220,9 @@ mod tests {
             unit[i] = 1.0;
             let at: [f64; 7] =
                 core::array::from_fn(|k| values(&unit, [DIRECTIONS[0][k], DIRECTIONS[1][k], DIRECTIONS[2][k]]));
-            for j in 0..7 {
-                let sum: f64 = (0..7).map(|k| INVERSE[k][j] * at[k]).sum();
-                assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-15, "{i} {j}: {sum}");
+            for (j, expected) in unit.into_iter().enumerate() {
+                let sum: f64 = INVERSE.iter().zip(at).map(|(row, value)| row[j] * value).sum();
+                assert!((sum - expected).abs() < 1e-15, "{i} {j}: {sum}");
             }
         }
     }
