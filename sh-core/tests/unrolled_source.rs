@@ -46,7 +46,7 @@ fn polynomial_argument<T: Real, V: Lanes<T>>([x, y, z]: [V; 3]) -> V {
 
 fn source() -> String {
     let mut source = String::from(HEADER);
-    source += "\n/// The largest order that has a kernel.\n";
+    source += "\n/// The largest order that has a kernel.\n#[cfg(feature = \"alloc\")]\n";
     writeln!(source, "pub(super) const MAX_ORDER: usize = {MAX_ORDER};").unwrap();
     source += &COMMON.replace("COLUMNS", &columns());
     for m in 0..MAX_ORDER {

@@ -9,6 +9,7 @@ use crate::Real;
 use crate::simd::Lanes;
 
 /// The largest order that has a kernel.
+#[cfg(feature = "alloc")]
 pub(super) const MAX_ORDER: usize = 10;
 
 /// Hands every `y_i` of order `N` to `sink`, column by column.
