@@ -6,11 +6,11 @@ use std::hint::black_box;
 
 use criterion::{Bencher, Criterion, criterion_group, criterion_main};
 use sh_core::{
-    Basis, CubeMap, LatLong, Order, Real, ShRotation, eval, fibonacci, project_cube, project_lat_long, reconstruct,
-    reconstruct_lat_long,
+    BLOCK, Basis, BasisGradient, CubeMap, LatLong, Order, Real, ShRotation, eval, fibonacci, project_cube,
+    project_lat_long, reconstruct, reconstruct_lat_long,
 };
 
-criterion_group!(benches, evaluation, projection, reconstruction, rotation);
+criterion_group!(benches, evaluation, batches, projection, reconstruction, rotation);
 criterion_main!(benches);
 
 fn order(n: usize) -> Order {
@@ -52,6 +52,26 @@ fn bench_basis<T: Real>(bencher: &mut Bencher<'_>, n: usize) {
     let basis = Basis::<T>::new(order(n));
     let mut y = vec![T::ZERO; n * n];
     per_direction(bencher, |direction| basis.eval(direction, black_box(&mut y)));
+}
+
+/// Many directions, per batch of 192: vectors, blocks, values with gradients, samples of three channels.
+fn batches(criterion: &mut Criterion) {
+    const COUNT: usize = 12 * BLOCK;
+    let directions: Vec<[f32; 3]> = fibonacci(COUNT).into_iter().map(|s| s.map(|s| s as f32)).collect();
+    for n in [3, 4, 6, 10] {
+        let (basis, gradients) = (Basis::<f32>::new(order(n)), BasisGradient::<f32>::new(order(n)));
+        let (mut y, mut gradient) = (vec![0.0; COUNT * n * n], vec![0.0; 3 * COUNT * n * n]);
+        let (mut radiance, mut light) = (vec![[1.0_f32; 3]; COUNT], vec![0.5; 3 * n * n]);
+        let mut bench = |what: &str, f: &mut dyn FnMut(&[[f32; 3]])| {
+            criterion.bench_function(&format!("sh-core/{what}-192/{n}"), |b| b.iter(|| f(black_box(&directions))));
+        };
+        bench("eval-batch", &mut |s| basis.eval_batch(s, black_box(&mut y)));
+        bench("eval-blocks", &mut |s| basis.eval_blocks(s, black_box(&mut y)));
+        bench("gradient-batch", &mut |s| gradients.eval_batch(s, &mut y, black_box(&mut gradient)));
+        bench("gradient-blocks", &mut |s| gradients.eval_blocks(s, &mut y, black_box(&mut gradient)));
+        bench("reconstruct-rgb", &mut |s| basis.reconstruct(&light, s, black_box(&mut radiance)));
+        bench("project-rgb", &mut |s| basis.project(s, &radiance, black_box(&mut light)));
+    }
 }
 
 /// Some radiance for every texel.

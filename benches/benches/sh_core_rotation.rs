@@ -32,7 +32,7 @@ fn one_vector(criterion: &mut Criterion) {
         let mut next = matrices.iter().cycle();
         criterion.bench_function(&format!("sh-core/rotate/{n}"), |b| {
             b.iter(|| {
-                rotate(order(n), *black_box(next.next().expect("no end")), black_box(&coeffs), black_box(&mut out))
+                rotate(order(n), *black_box(next.next().expect("no end")), black_box(&coeffs), black_box(&mut out));
             });
         });
     }
@@ -76,7 +76,7 @@ fn splats(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("sh-core");
     group.sample_size(10);
     group.bench_function("rotate-million/4", |b| {
-        b.iter(|| rotation.apply_many(black_box(&coeffs), black_box(&mut out)))
+        b.iter(|| rotation.apply_many(black_box(&coeffs), black_box(&mut out)));
     });
     group.bench_function("rotate-million-in-place/4", |b| b.iter(|| rotation.apply_many_in_place(black_box(&mut out))));
     group.bench_function("copy-million/4", |b| b.iter(|| black_box(&mut out).copy_from_slice(black_box(&coeffs))));

@@ -10,7 +10,7 @@
 //! | to do | with |
 //! |---|---|
 //! | evaluate the basis | [`eval`]; [`Basis`] for many directions; [`eval_gradient`], [`eval_hessian`], [`BasisGradient`] |
-//! | evaluate an expansion | [`reconstruct`], [`Basis::reconstruct`], [`reconstruct_lat_long`] |
+//! | evaluate an expansion | [`reconstruct`], [`Basis::reconstruct`], [`reconstruct_lat_long`], [`reconstruct_cube`] |
 //! | expand a function | [`project_function`]; [`Basis::project`] for samples with weights, [`LeastSquares`] for those without |
 //! | expand a map | [`project_lat_long`], [`project_cube`] |
 //! | analytic lights | [`directional_light`], [`disk_light`], [`sphere_light`], [`cone_light`], [`hemisphere_light`], [`ambient_light`], [`polygon_light`], [`overcast_sky`], [`clear_sky`], [`cie_sky`] |
@@ -237,7 +237,9 @@ pub use order::{Order, index};
 pub use product::{ProductMatrix, ProductTransform, TripleTensor, gaunt};
 pub use product::{product, product_many, product_matrix, square, triple_product};
 #[cfg(feature = "alloc")]
-pub use project::{LeastSquares, project_cube, project_function, project_lat_long, reconstruct_lat_long};
+pub use project::{
+    LeastSquares, project_cube, project_function, project_lat_long, reconstruct_cube, reconstruct_lat_long,
+};
 pub use real::Real;
 #[cfg(feature = "alloc")]
 pub use rotation::{ShRotation, Taylor, TaylorDegree, Zxzxz, radiance_cache_angle_limit, taylor_angle_limit};

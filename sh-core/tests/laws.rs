@@ -5,7 +5,7 @@
 use proptest::prelude::*;
 use sh_core::{
     Basis, LatLong, Order, Quadrature, clamped_cosine, convolve, dot, eval, expand_zonal, hanning, index,
-    project_function, project_lat_long, reconstruct, scale_bands,
+    project_function, project_lat_long, reconstruct, rotate, scale_bands,
 };
 
 /// All pairs of functions: the Gram matrix is the identity.
@@ -144,5 +144,38 @@ proptest! {
         scale_bands(order, &window, &mut b);
         convolve(order, &kernel, &mut b);
         prop_assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-14));
+    }
+
+    /// Windows and convolution act on whole bands, and so do rotations.
+    #[test]
+    fn rotations_commute_with_windows_and_convolution(
+        f in coeffs(Order::new(7).unwrap()), axis in direction(), width in 0.5..20.0_f64
+    ) {
+        let order = Order::new(7).unwrap();
+        // Half a turn about the axis.
+        let matrix = std::array::from_fn(|r| std::array::from_fn(|c| 2.0 * axis[r] * axis[c] - f64::from(u8::from(r == c))));
+        let (mut kernel, mut window) = ([0.0; 7], [0.0; 7]);
+        clamped_cosine(&mut kernel);
+        hanning(order, width, &mut window);
+        let smooth = |f: &mut [f64]| {
+            scale_bands(order, &window, f);
+            convolve(order, &kernel, f);
+        };
+        let (mut turned_first, mut smoothed, mut smoothed_first) = ([0.0; 49], f.clone(), [0.0; 49]);
+        rotate(order, matrix, &f, &mut turned_first);
+        smooth(&mut turned_first);
+        smooth(&mut smoothed);
+        rotate(order, matrix, &smoothed, &mut smoothed_first);
+        // The accuracy of the rotation, times the kernel's largest factor.
+        prop_assert!(turned_first.iter().zip(&smoothed_first).all(|(a, b)| (a - b).abs() < 1e-14 * 4.0));
+    }
+
+    /// Parseval: the integral of the square is the sum of the squares.
+    #[test]
+    fn power_is_kept(f in coeffs(Order::new(9).unwrap())) {
+        let order = Order::new(9).unwrap();
+        let square = |(s, w): &([f64; 3], f64)| w * reconstruct(order, &f, *s).powi(2);
+        let integral: f64 = Quadrature::new(16).points().iter().map(square).sum();
+        prop_assert!((integral - dot(&f, &f)).abs() < 1e-12, "{integral}");
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use sh_core::{
     Basis, CubeMap, LatLong, Order, Quadrature, project_cube, project_function, project_lat_long, reconstruct,
-    reconstruct_lat_long,
+    reconstruct_cube, reconstruct_lat_long,
 };
 
 /// Something without symmetry, different in each channel, with a sun of 1e4.
@@ -121,6 +121,27 @@ fn drawing_a_light_gives_its_values_at_the_texels() {
     }
 }
 
+#[test]
+fn drawing_a_cube_gives_the_values_at_the_texels() {
+    for (size, n) in [(1, 2), (3, 5), (4, 11)] {
+        let (map, order) = (CubeMap { size }, Order::new(n).unwrap());
+        let light: Vec<f32> = (0..3 * n * n).map(|i| (i as f32 * 0.7).cos()).collect();
+        let mut faces: [Vec<[f32; 3]>; 6] = std::array::from_fn(|_| vec![[f32::NAN; 3]; size * size]);
+        reconstruct_cube(order, &light, map, faces.each_mut().map(Vec::as_mut_slice));
+        for (face, pixels) in faces.iter().enumerate() {
+            for (x, y, column, row) in centres(size, size) {
+                for (channel, coeffs) in light.chunks_exact(n * n).enumerate() {
+                    let coeffs: Vec<f64> = coeffs.iter().map(|&f| f64::from(f)).collect();
+                    let expected = reconstruct(order, &coeffs, map.direction(face, x, y));
+                    let value = f64::from(pixels[row * size + column][channel]);
+                    assert!((value - expected).abs() < 1e-6 * n as f64, "face {face}, n = {n}: {value} {expected}");
+                }
+            }
+        }
+    }
+    reconstruct_cube(Order::new(1).unwrap(), &[0.0; 3], CubeMap { size: 0 }, std::array::from_fn(|_| &mut [][..]));
+}
+
 /// The relative error of a light that is drawn as a map and projected again.
 fn round_trip_error(n: usize, project: impl Fn(Order, &[f32], &mut [f32])) -> f64 {
     let order = Order::new(n).unwrap();
@@ -144,13 +165,8 @@ fn lat_long_round_trip(n: usize, height: usize) -> f64 {
 fn cube_round_trip(n: usize, size: usize) -> f64 {
     let map = CubeMap { size };
     round_trip_error(n, |order, light, back| {
-        let value = |direction: [f64; 3]| -> [f32; 3] {
-            let channel =
-                |c: usize| reconstruct(order, &light[c * n * n..(c + 1) * n * n], direction.map(|d| d as f32));
-            std::array::from_fn(channel)
-        };
-        let face = |face| centres(size, size).map(|(x, y, ..)| value(map.direction(face, x, y))).collect::<Vec<_>>();
-        let faces: [Vec<_>; 6] = std::array::from_fn(face);
+        let mut faces: [Vec<[f32; 3]>; 6] = std::array::from_fn(|_| vec![[f32::NAN; 3]; size * size]);
+        reconstruct_cube(order, light, map, faces.each_mut().map(Vec::as_mut_slice));
         project_cube(order, map, faces.each_ref().map(Vec::as_slice), back);
     })
 }

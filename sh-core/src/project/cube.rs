@@ -1,4 +1,4 @@
-//! Cube maps to coefficients.
+//! Cube maps to coefficients and back.
 //!
 //! A cube map has the same texels after mirroring x, y or z, and each `y_i` is even or odd in each of them. So the eight
 //! mirror images of a texel share one evaluation of the basis, and their radiances enter as eight sums, one per pattern of
@@ -45,6 +45,30 @@ pub fn project_cube(order: Order, map: CubeMap, faces: [&[[f32; 3]]; 6], light: 
     });
     for (channel, light) in light.chunks_exact_mut(count).enumerate() {
         light.iter_mut().zip(&sums).for_each(|(out, sum)| *out = sum[channel] as f32);
+    }
+}
+
+/// Draws a light as a cube map: each texel is its value at the texel's centre.
+///
+/// - `light`: `[3, n²]`, channel-major
+/// - `faces`: +x −x +y −y +z −z, each `[size, size]` row-major, overwritten; negative where the light rings below zero
+///
+/// Works in `f64`, row by row.
+///
+/// # Panics
+/// If a slice length does not match `order` or `map`.
+pub fn reconstruct_cube(order: Order, light: &[f32], map: CubeMap, faces: [&mut [[f32; 3]]; 6]) {
+    assert_length("light", light.len(), 3 * order.coeff_count());
+    faces.iter().for_each(|face| assert_length("face", face.len(), map.size * map.size));
+    let (basis, light) = (Basis::<f64>::new(order), light.iter().map(|&f| f64::from(f)).collect::<Vec<f64>>());
+    let mut radiance = vec![[0.0; 3]; map.size];
+    for (face, pixels) in faces.into_iter().enumerate() {
+        for (row, pixels) in pixels.chunks_exact_mut(map.size.max(1)).enumerate() {
+            let direction = |column: usize| map.direction(face, column as f64 + 0.5, row as f64 + 0.5);
+            let directions: Vec<[f64; 3]> = (0..map.size).map(direction).collect();
+            basis.reconstruct(&light, &directions, &mut radiance);
+            pixels.iter_mut().zip(&radiance).for_each(|(pixel, radiance)| *pixel = radiance.map(|c| c as f32));
+        }
     }
 }
 

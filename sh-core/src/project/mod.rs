@@ -8,7 +8,7 @@ mod samples;
 
 use alloc::vec;
 
-pub use cube::project_cube;
+pub use cube::{project_cube, reconstruct_cube};
 pub use lat_long::{project_lat_long, reconstruct_lat_long};
 pub use least_squares::LeastSquares;
 
