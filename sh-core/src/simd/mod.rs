@@ -15,7 +15,8 @@
 //!
 //! This is the one module with `unsafe` code, in two places. (1) The methods of the x86 registers call intrinsics that need
 //! a CPU feature. Their types are private to this module; they reach a kernel only as the type parameter of
-//! [`Kernel::run`], which only [`run_at`] names, after the feature was detected. (2) Loads and stores go through pointers:
+//! [`Kernel::run`], which only [`run_at`] names, after the feature was detected. (Elsewhere they could be named as the types
+//! that belong to a scalar, but there is nothing to make a value of them with but [`Lanes`], which is private.) (2) Loads and stores go through pointers:
 //! each is preceded by an assertion of the slice's length, or has an array reference of that length.
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
