@@ -93,11 +93,11 @@
 //! | feature | default | gives |
 //! |---|---|---|
 //! | `std` | yes | the standard library's floating-point functions; implies `alloc` |
-//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`Zxzxz`], [`Taylor`], [`ScalingMatrix`], [`minimum`], projection, reconstruction of maps, [`polygon_light`], skies |
+//! | `alloc` | by `std` | [`Basis`], [`Quadrature`], [`fibonacci`], [`ShRotation`], [`Zxzxz`], [`Taylor`], [`ScalingMatrix`], [`ProductMatrix`], [`ProductTransform`], [`TripleTensor`], [`gaunt`], [`log`], [`LeastSquares`], [`minimum`], [`minimum_zonal`], [`nonnegative_window`], [`project_zonal`], [`irradiance`], [`y_up_from_z_up`], [`z_up_from_y_up`], projection, reconstruction of maps, [`polygon_light`], skies; products and exponentials beyond n = 6, which panic without it |
 //! | `libm` | no | floating-point functions without the standard library (`no_std`) |
 //! | `glam` | no | [`RotationRows`] of glam's matrices and quaternions |
 //! | `nalgebra` | no | [`RotationRows`] of nalgebra's rotations and unit quaternions, [`ScalingMatrix`] as a `DMatrix`; implies `alloc` |
-//! | `serde` | no | reading and writing of [`Order`], [`LatLong`], [`CubeMap`], [`Tau`], [`Preserve`], [`Interpolation`], [`Window`], [`SplatLayout`] |
+//! | `serde` | no | reading and writing of [`Order`], [`Sh`], [`LatLong`], [`CubeMap`], [`Tau`], [`Preserve`], [`Interpolation`], [`Window`], [`SplatLayout`] |
 //!
 //! One of `std` and `libm` is needed.
 //!

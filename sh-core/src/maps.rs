@@ -59,7 +59,7 @@ impl LatLong {
 
     /// The solid angle of each texel of a row, exact: `2π/width · (cos θ_top − cos θ_bottom)`.
     ///
-    /// Over all texels it adds up to 4π.
+    /// Over all texels it adds up to 4π. `row` is below the height, which is not checked.
     pub fn solid_angle(&self, row: usize) -> f64 {
         let step = PI / self.height as f64;
         // A difference of cosines as a product of sines: exact in thin rows too.

@@ -110,3 +110,9 @@ fn coefficients_are_integrals() {
         assert!((value - sum).abs() < 1e-14, "{at}: {value} {sum}");
     }
 }
+
+#[test]
+#[should_panic(expected = "index 262144 is not below 262144")]
+fn indices_beyond_the_largest_order_are_refused() {
+    gaunt(512 * 512, 0, 0);
+}

@@ -383,3 +383,16 @@ proptest! {
         prop_assert!(largest_difference(&back, &f) < 1e-14);
     }
 }
+
+#[test]
+fn quaternions_of_every_length_turn_alike() {
+    let coeffs: [f32; 16] = std::array::from_fn(|i| (i as f32).cos());
+    let mut expected = [0.0; 16];
+    rotate_quaternion(Order::new(4).unwrap(), [0.1, -0.7, 0.3, 0.64], &coeffs, &mut expected);
+    for length in [1e-30_f32, 1e-20, 7.0, 1e20, 1e37] {
+        let mut out = [0.0; 16];
+        rotate_quaternion(Order::new(4).unwrap(), [0.1, -0.7, 0.3, 0.64].map(|q| q * length), &coeffs, &mut out);
+        // The components are rounded once more.
+        assert!(out.iter().zip(expected).all(|(a, b)| (a - b).abs() < 2e-6), "{length}");
+    }
+}

@@ -172,5 +172,7 @@ fn numbers_that_cannot_be_fitted_are_named() {
     let s = [0.0, 0.0, 1.0];
     assert_eq!(message(&[s, [0.0, f64::NAN, 1.0]], &[1.0, 1.0], 0.0), "direction 1 of the samples is NaN");
     assert_eq!(message(&[s, s], &[1.0, -2.0], 0.0), "weight 1 of the samples is -2");
+    assert_eq!(message(&[s, [0.0; 3]], &[1.0, 1.0], 0.0), "the squared length of direction 1 of the samples is 0");
+    assert_eq!(message(&[s; 9], &[1e308; 9], 0.0), "the sum of weights up to 8 of the samples is inf");
     assert_eq!(message(&[s], &[1.0], -1.0), "smoothing -1 is not a finite number from 0");
 }

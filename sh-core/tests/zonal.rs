@@ -344,3 +344,9 @@ proptest! {
         prop_assert!((dot(&gaussian, &gaussian) / expected - 1.0).abs() < 1e-12);
     }
 }
+
+#[test]
+#[should_panic(expected = "cuts [1.0, -1.0] do not grow within -1..=1")]
+fn cuts_in_the_wrong_order_are_refused() {
+    project_zonal(&[1.0, -1.0], 4, |z| z, &mut [0.0_f64; 3]);
+}

@@ -81,8 +81,9 @@ impl<V> Sink<V> for Values<'_, V> {
 /// 2e-15 for n ≤ 10 and 5e-14 for n = 512; asserted by `tests/accuracy.rs` against 32 digits.
 ///
 /// The direction is not normalised, but that its length is rounded does no harm. Of quite another length than 1 the result
-/// is that of some polynomials in `x, y, z` which are the harmonics on the unit sphere only: finite for the zero vector,
-/// infinite or NaN where the input is. There is no panic.
+/// is that of some polynomials in `x, y, z` which are the harmonics on the unit sphere only, other ones for n > 10 than below:
+/// finite for the zero vector; infinite or NaN, but for the constant `y_0`, where the input or a power of it is. There is no
+/// panic.
 ///
 /// ```
 /// let mut y = [0.0_f64; 4];

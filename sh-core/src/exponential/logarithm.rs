@@ -55,6 +55,8 @@ use crate::{Order, Real};
 /// # Ok::<(), sh_core::Error>(())
 /// ```
 ///
+/// With coefficients or a floor that are not finite the result is NaN.
+///
 /// # Panics
 /// If a slice length does not match `order`.
 ///

@@ -34,6 +34,9 @@ use crate::{Basis, Order, Real};
 /// # Panics
 /// If a band is not below [`Order::MAX`].
 pub fn gaunt(i: usize, j: usize, k: usize) -> f64 {
+    for index in [i, j, k] {
+        assert!(index < Order::MAX * Order::MAX, "index {index} is not below {}", Order::MAX * Order::MAX);
+    }
     let functions = [i, j, k].map(Function::new);
     let azimuth = azimuth_integral(functions.map(|f| f.m));
     let [l1, l2, l3] = functions.map(|f| f.l);

@@ -99,7 +99,8 @@ pub fn product<T: Real>(order: Order, a: &[T], b: &[T], out: &mut [T]) {
 /// # Panics
 /// If `out` is not whole vectors, or another slice has not its length. Without the feature `alloc`, if n > 6.
 pub fn product_many<T: Real>(order: Order, a: &[T], b: &[T], out: &mut [T]) {
-    assert_length("out", out.len() % order.coeff_count(), 0);
+    let count = order.coeff_count();
+    assert!(out.len().is_multiple_of(count), "out has {} elements, it needs a multiple of {count}", out.len());
     assert_length("a", a.len(), out.len());
     assert_length("b", b.len(), out.len());
     let done = order.coeff_count()

@@ -65,7 +65,7 @@ impl Circle {
     }
 
     /// Takes the sums of a row `[width]`.
-    pub(super) fn analyse(&mut self, row: &[[f32; 3]]) {
+    pub(super) fn analyse<T: Real>(&mut self, row: &[[T; 3]]) {
         dispatch(Analysis { circle: self, row });
     }
 
@@ -77,12 +77,12 @@ impl Circle {
 }
 
 /// [`Circle::analyse`], compiled for the registers of the machine: plain loops, which compilers vectorise.
-struct Analysis<'a> {
+struct Analysis<'a, T> {
     circle: &'a mut Circle,
-    row: &'a [[f32; 3]],
+    row: &'a [[T; 3]],
 }
 
-impl Kernel<f64> for Analysis<'_> {
+impl<T: Real> Kernel<f64> for Analysis<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -126,9 +126,9 @@ impl Kernel<f64> for Synthesis<'_> {
 }
 
 #[inline(always)]
-fn split_channels(row: &[[f32; 3]], [red, green, blue]: &mut [Vec<f64>; 3]) {
+fn split_channels<T: Real>(row: &[[T; 3]], [red, green, blue]: &mut [Vec<f64>; 3]) {
     for (((pixel, red), green), blue) in row.iter().zip(red).zip(green).zip(blue) {
-        [*red, *green, *blue] = pixel.map(f64::from);
+        (*red, *green, *blue) = (pixel[0].to_f64(), pixel[1].to_f64(), pixel[2].to_f64());
     }
 }
 

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 
 use crate::maps::FACES;
 use crate::order::assert_length;
-use crate::{Basis, CubeMap, Order};
+use crate::{Basis, CubeMap, Order, Real};
 
 /// Radiance of the eight mirror images of a texel; bits 0, 1, 2 of the index say whether x, y, z is mirrored. The fourth
 /// channel is idle.
@@ -22,10 +22,11 @@ type Octants = [[f64; 4]; 8];
 ///
 /// Sums in `f64`. Radiance counts as constant in a texel and the basis as that at its centre: a light of order n that
 /// is sampled at the centres comes back with a relative error below `(n/size)² / 10`, asserted by `tests/projection.rs`.
+/// Where a texel is infinite or NaN, coefficients of that channel are.
 ///
 /// # Panics
 /// If a slice length does not match `order` or `map`.
-pub fn project_cube(order: Order, map: CubeMap, faces: [&[[f32; 3]]; 6], light: &mut [f32]) {
+pub fn project_cube<T: Real>(order: Order, map: CubeMap, faces: [&[[T; 3]]; 6], light: &mut [T]) {
     let count = order.coeff_count();
     assert_length("light", light.len(), 3 * count);
     faces.iter().for_each(|face| assert_length("face", face.len(), map.size * map.size));
@@ -44,7 +45,7 @@ pub fn project_cube(order: Order, map: CubeMap, faces: [&[[f32; 3]]; 6], light: 
         }
     });
     for (channel, light) in light.chunks_exact_mut(count).enumerate() {
-        light.iter_mut().zip(&sums).for_each(|(out, sum)| *out = sum[channel] as f32);
+        light.iter_mut().zip(&sums).for_each(|(out, sum)| *out = T::from_f64(sum[channel]));
     }
 }
 
@@ -57,17 +58,17 @@ pub fn project_cube(order: Order, map: CubeMap, faces: [&[[f32; 3]]; 6], light: 
 ///
 /// # Panics
 /// If a slice length does not match `order` or `map`.
-pub fn reconstruct_cube(order: Order, light: &[f32], map: CubeMap, faces: [&mut [[f32; 3]]; 6]) {
+pub fn reconstruct_cube<T: Real>(order: Order, light: &[T], map: CubeMap, faces: [&mut [[T; 3]]; 6]) {
     assert_length("light", light.len(), 3 * order.coeff_count());
     faces.iter().for_each(|face| assert_length("face", face.len(), map.size * map.size));
-    let (basis, light) = (Basis::<f64>::new(order), light.iter().map(|&f| f64::from(f)).collect::<Vec<f64>>());
+    let (basis, light) = (Basis::<f64>::new(order), light.iter().map(|f| f.to_f64()).collect::<Vec<f64>>());
     let mut radiance = vec![[0.0; 3]; map.size];
     for (face, pixels) in faces.into_iter().enumerate() {
         for (row, pixels) in pixels.chunks_exact_mut(map.size.max(1)).enumerate() {
             let direction = |column: usize| map.direction(face, column as f64 + 0.5, row as f64 + 0.5);
             let directions: Vec<[f64; 3]> = (0..map.size).map(direction).collect();
             basis.reconstruct(&light, &directions, &mut radiance);
-            pixels.iter_mut().zip(&radiance).for_each(|(pixel, radiance)| *pixel = radiance.map(|c| c as f32));
+            pixels.iter_mut().zip(&radiance).for_each(|(pixel, radiance)| *pixel = radiance.map(T::from_f64));
         }
     }
 }
@@ -86,7 +87,7 @@ fn for_each_quarter_texel(map: CubeMap, mut visit: impl FnMut(usize, usize, f64)
 }
 
 /// The weighted radiance of a texel of the face `+axis` and of its mirror images.
-fn gather(map: CubeMap, faces: &[&[[f32; 3]]; 6], axis: usize, texel: [usize; 2], weight: f64) -> Octants {
+fn gather<T: Real>(map: CubeMap, faces: &[&[[T; 3]]; 6], axis: usize, texel: [usize; 2], weight: f64) -> Octants {
     core::array::from_fn(|mirror| {
         let face = 2 * axis + (mirror >> axis & 1);
         let [column, row] =
@@ -95,7 +96,7 @@ fn gather(map: CubeMap, faces: &[&[[f32; 3]]; 6], axis: usize, texel: [usize; 2]
                     if is_flipped(axis, mirror, edge) { map.size - 1 - texel[edge] } else { texel[edge] }
                 },
             );
-        let [r, g, b] = faces[face][row * map.size + column].map(|c| weight * f64::from(c));
+        let [r, g, b] = faces[face][row * map.size + column].map(|c| weight * c.to_f64());
         [r, g, b, 0.0]
     })
 }

@@ -28,12 +28,13 @@ const MAP_FROM_SCENE: [[f64; 3]; 3] = [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0,
 ///
 /// Sums in `f64`. Radiance counts as constant in a texel and the basis as that at its centre: a light of order n that
 /// is sampled at the centres comes back with a relative error below `(n/height)² / 10`, asserted by `tests/projection.rs`.
+/// Where a texel is infinite or NaN, coefficients of that channel are.
 ///
 /// ```
 /// use sh_core::{LatLong, Order, project_lat_long, reconstruct};
 ///
 /// let (order, map) = (Order::new(3)?, LatLong { width: 64, height: 32 });
-/// let mut light = [0.0; 27];
+/// let mut light = [0.0_f32; 27];
 /// project_lat_long(order, map, &vec![[1.0, 2.0, 0.5]; map.texel_count()], &mut light);
 /// let green = reconstruct(order, &light[9..18], [0.0, 0.0, 1.0]);
 /// assert!((green - 2.0).abs() < 0.01);
@@ -42,12 +43,12 @@ const MAP_FROM_SCENE: [[f64; 3]; 3] = [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0,
 ///
 /// # Panics
 /// If a slice length does not match `order` or `map`.
-pub fn project_lat_long(order: Order, map: LatLong, pixels: &[[f32; 3]], light: &mut [f32]) {
+pub fn project_lat_long<T: Real>(order: Order, map: LatLong, pixels: &[[T; 3]], light: &mut [T]) {
     let count = order.coeff_count();
     assert_length("light", light.len(), 3 * count);
     assert_length("pixels", pixels.len(), map.texel_count());
     if pixels.is_empty() {
-        light.fill(0.0);
+        light.fill(T::ZERO);
         return;
     }
     let (basis, mut circle) = (Basis::<f64>::new(order), Circle::new(order, map.width));
@@ -63,7 +64,7 @@ pub fn project_lat_long(order: Order, map: LatLong, pixels: &[[f32; 3]], light: 
     }
     let mut rotated = vec![0.0; 3 * count];
     rotate_channels(order, SCENE_FROM_MAP, &local, &mut rotated);
-    light.iter_mut().zip(rotated).for_each(|(out, f)| *out = f as f32);
+    light.iter_mut().zip(rotated).for_each(|(out, f)| *out = T::from_f64(f));
 }
 
 /// Draws a light as a latitude-longitude map: each texel is its value at the texel's centre.
@@ -75,14 +76,14 @@ pub fn project_lat_long(order: Order, map: LatLong, pixels: &[[f32; 3]], light: 
 ///
 /// # Panics
 /// If a slice length does not match `order` or `map`.
-pub fn reconstruct_lat_long(order: Order, light: &[f32], map: LatLong, pixels: &mut [[f32; 3]]) {
+pub fn reconstruct_lat_long<T: Real>(order: Order, light: &[T], map: LatLong, pixels: &mut [[T; 3]]) {
     let count = order.coeff_count();
     assert_length("light", light.len(), 3 * count);
     assert_length("pixels", pixels.len(), map.texel_count());
     if pixels.is_empty() {
         return;
     }
-    let scene: Vec<f64> = light.iter().map(|&f| f64::from(f)).collect();
+    let scene: Vec<f64> = light.iter().map(|f| f.to_f64()).collect();
     let mut local = vec![0.0; 3 * count];
     rotate_channels(order, MAP_FROM_SCENE, &scene, &mut local);
 
@@ -96,7 +97,7 @@ pub fn reconstruct_lat_long(order: Order, light: &[f32], map: LatLong, pixels: &
         }
         let [red, green, blue] = circle.synthesise();
         for (((pixel, &r), &g), &b) in pixels.iter_mut().zip(red).zip(green).zip(blue) {
-            *pixel = [r as f32, g as f32, b as f32];
+            *pixel = [r, g, b].map(T::from_f64);
         }
     }
 }

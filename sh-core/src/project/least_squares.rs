@@ -12,6 +12,10 @@ use crate::{Basis, Error, Order, Real, dot};
 /// Each of up to n² eliminations rounds the diagonal by 1e-16 of itself; what is left then has at least two digits.
 const LOST_PIVOT: f64 = 1e-12;
 
+/// How far the squared length of a direction may be from 1. Unit vectors of `f32` are within 1e-6; this is for those of low
+/// precision, and keeps out what is no direction.
+const LENGTH_TOLERANCE: f64 = 2e-3;
+
 /// The least-squares fit of expansions to samples at fixed directions, factored once for any number of fits.
 ///
 /// The coefficients `f` minimise
@@ -59,7 +63,8 @@ impl LeastSquares {
     /// - `smoothing`: not negative
     ///
     /// # Errors
-    /// [`Error::Sample`] for a direction or a weight that is not finite, or a negative weight; [`Error::Smoothing`];
+    /// [`Error::Sample`] for a direction that is not finite or not of unit length to 1e-3, and for a weight that is not finite,
+    /// negative, or so large that the sum of all is not finite; [`Error::Smoothing`];
     /// [`Error::Undetermined`] if the samples do not determine all coefficients.
     ///
     /// # Panics
@@ -115,9 +120,17 @@ fn check(directions: &[[f64; 3]], weights: &[f64], smoothing: f64) -> Result<(),
         if let Some(&given) = direction.iter().find(|component| !component.is_finite()) {
             return Err(Error::Sample { what: "direction", item, given });
         }
+        let length2: f64 = direction.iter().map(|component| component * component).sum();
+        if (length2 - 1.0).abs() > LENGTH_TOLERANCE {
+            return Err(Error::Sample { what: "the squared length of direction", item, given: length2 });
+        }
         if !(weight.is_finite() && weight >= 0.0) {
             return Err(Error::Sample { what: "weight", item, given: weight });
         }
+    }
+    let total: f64 = weights.iter().sum();
+    if !total.is_finite() {
+        return Err(Error::Sample { what: "the sum of weights up to", item: weights.len() - 1, given: total });
     }
     Ok(())
 }

@@ -13,14 +13,15 @@ use crate::{Order, Real};
 /// `g(s) = f(R⁻¹ s)`, by `R = Z(α) Y(β) Z(γ)` and `Y(β) = E Z(−β) E`, where `E` exchanges y and z: the `ZXZXZ` method with
 /// mirror images for the quarter turns about x. The angles come from the matrix without any trigonometry, see [`Zyz`].
 ///
-/// - `matrix`: rows of `R`, orthogonal; see [`Zyz::from_matrix`] for rounded matrices and mirror images. If an entry that is
-///   read is not finite, no coefficient but that of band 0 is.
+/// - `matrix`: rows of `R`, orthogonal to rounding, a rotation or a mirror image. To n = 4 it is taken as it is: a length that
+///   is off by `e` enters band `l` as `l·e`. Beyond, see [`Zyz::from_matrix`]; [`ShRotation`](crate::ShRotation) makes every
+///   matrix orthogonal first. If an entry that is read is not finite, no coefficient but that of band 0 is.
 /// - `coeffs`: `[n²]`
 /// - `out`: `[n²]`, overwritten
 ///
-/// Products with the matrix for n ≤ 3, and values at seven directions for band 3 of n = 4; straight-line kernels for n ≤ 10. Beyond, the factors of `E` are computed on the way, in `f64`, with about `5n³`
-/// operations: [`Zxzxz`](crate::Zxzxz) keeps them. For many expansions turned alike there is
-/// [`ShRotation`](crate::ShRotation). Does not allocate.
+/// Products with the matrix for n ≤ 3, and values at seven directions for band 3 of n = 4; straight-line kernels for n ≤ 10.
+/// Beyond, the factors of `E` are computed on the way, in `f64`, with about `5n³` operations: [`Zxzxz`](crate::Zxzxz) keeps
+/// them. For many expansions turned alike there is [`ShRotation`](crate::ShRotation). Does not allocate.
 ///
 /// Accuracy, absolute, at every angle: in `f32` for coefficients up to 1, 2e-6 for n ≤ 6 and 4e-6 for n ≤ 10; in `f64` 1e-14 for
 /// n ≤ 10; asserted by `tests/rotation_angles.rs`.

@@ -37,8 +37,9 @@ impl<T: Real> Zyz<T> {
     /// Mirror images (determinant −1) are rotations followed by `s → −s`, and are as good as rotations.
     ///
     /// The third column and the first two rows are read. A matrix that is off by `e` from orthogonal gives a rotation that
-    /// is off by about `e`, whose cosines and sines have length 1 to `e²`: rounded matrices are safe. A matrix far from orthogonal gives a meaningless result, which is finite if its squares are; with infinite or
-    /// NaN entries the result is NaN. There is no panic.
+    /// is off by about `e`, whose cosines and sines have length 1 to `e²`: rounded matrices are safe. A matrix far from
+    /// orthogonal gives a meaningless result, and one with entries that are not finite, or whose cubes are not, may give NaN.
+    /// There is no panic.
     #[inline(always)]
     pub fn from_matrix(matrix: [[T; 3]; 3]) -> Self {
         if determinant(&matrix) < T::ZERO {
@@ -66,7 +67,10 @@ impl<T: Real> Zyz<T> {
 
     /// From a quaternion `[x, y, z, w]` of any length but 0, for which the result is NaN.
     #[inline]
-    pub fn from_quaternion([x, y, z, w]: [T; 4]) -> Self {
+    pub fn from_quaternion(quaternion: [T; 4]) -> Self {
+        // Squares of the largest component are in range then.
+        let largest = quaternion.iter().fold(T::ZERO, |a, q| if q.abs() > a { q.abs() } else { a });
+        let [x, y, z, w] = quaternion.map(|q| q / largest);
         let two = T::ONE + T::ONE;
         let s = two / (x * x + y * y + z * z + w * w);
         Self::from_matrix([

@@ -1,6 +1,6 @@
 //! Which direction of the captured function is seen in a direction after moving along the axis.
 
-use core::f64::consts::FRAC_PI_4;
+use core::f64::consts::{FRAC_PI_4, PI};
 
 use crate::{Error, Real};
 
@@ -31,9 +31,9 @@ pub enum Tau {
     ///
     /// Source: [WXZ06](crate#references) section 3.1, written without its branch and poles.
     Cone {
-        /// Distance of the viewer over the distance of capture, `d/r > 0`.
+        /// Distance of the viewer over the distance of capture, `d/r`, in `1e-100..=1e100`.
         k: f64,
-        /// Angle of the cone's surface from the axis, in `0..π` without the ends; the paper has `π/4`.
+        /// Angle of the cone's surface from the axis, in `1e-4..=π − 1e-4`; the paper has `π/4`.
         alpha: f64,
     },
     /// Light from a sphere of finite radius, seen from a point off its centre.
@@ -50,7 +50,7 @@ pub enum Tau {
     ///
     /// The scaled function is zero where there is nothing; so scale occlusion. At `k = 1` it keeps the front half.
     Sphere {
-        /// Distance of the viewer over the distance of capture, `d/r > 0`.
+        /// Distance of the viewer over the distance of capture, `d/r`, in `1e-100..=1e100`.
         k: f64,
     },
 }
@@ -100,13 +100,12 @@ impl Tau {
     /// # Errors
     /// [`Error::Scaling`] if `k` or `alpha` is outside the range stated at its variant.
     pub fn validate(self) -> Result<Self, Error> {
-        let positive = |k: f64| k.is_finite() && k >= f64::MIN_POSITIVE;
         match self {
-            Self::Cone { k, .. } | Self::Sphere { k } if !positive(k) => {
-                Err(Error::Scaling { what: "k", given: k, accepted: "positive and finite" })
+            Self::Cone { k, .. } | Self::Sphere { k } if !(1.0 / MAX_FACTOR..=MAX_FACTOR).contains(&k) => {
+                Err(Error::Scaling { what: "k", given: k, accepted: "in 1e-100..=1e100" })
             }
-            Self::Cone { alpha, .. } if !(alpha > 0.0 && alpha < core::f64::consts::PI) => {
-                Err(Error::Scaling { what: "alpha", given: alpha, accepted: "between 0 and π" })
+            Self::Cone { alpha, .. } if !(MIN_ALPHA..=PI - MIN_ALPHA).contains(&alpha) => {
+                Err(Error::Scaling { what: "alpha", given: alpha, accepted: "in 1e-4..=π − 1e-4" })
             }
             Self::MidRange { k } if !(-1.0..=1.0).contains(&k) => {
                 Err(Error::Scaling { what: "k of the mid-range scaling", given: k, accepted: "in -1..=1" })
@@ -115,6 +114,12 @@ impl Tau {
         }
     }
 }
+
+/// Beyond, squares of such factors leave the range of numbers.
+const MAX_FACTOR: f64 = 1e100;
+
+/// The time to integrate over a cone grows as one over the angle: milliseconds at this one, and less by far at usual ones.
+const MIN_ALPHA: f64 = 1e-4;
 
 /// `(k sinθ, cosθ + (1−k) cot α sinθ)` times `sin α`, not normalised.
 fn cone_direction(k: f64, alpha: f64, [s, c]: [f64; 2]) -> [f64; 2] {

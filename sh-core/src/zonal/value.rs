@@ -54,7 +54,10 @@ fn sum_of_legendre<T: Real>(coeffs: &[T], cosine: T, factor: impl Fn(usize) -> f
 /// - `f`: the value at a cosine; it is not asked at the cuts themselves
 /// - `zonal`: `[n]`, overwritten
 ///
-/// Sums in `f64`.
+/// Sums in `f64`. Without points or without two cuts the result is 0.
+///
+/// # Panics
+/// If the cuts are not as said.
 ///
 /// ```
 /// let mut zonal = [0.0_f64; 6];
@@ -65,6 +68,8 @@ fn sum_of_legendre<T: Real>(coeffs: &[T], cosine: T, factor: impl Fn(usize) -> f
 /// ```
 #[cfg(feature = "alloc")]
 pub fn project_zonal<T: Real>(cuts: &[f64], count: usize, mut f: impl FnMut(f64) -> f64, zonal: &mut [T]) {
+    let ordered = cuts.iter().zip(cuts.iter().skip(1)).all(|(a, b)| a <= b);
+    assert!(ordered && cuts.iter().all(|z| z.abs() <= 1.0), "cuts {cuts:?} do not grow within -1..=1");
     let mut integrals = alloc::vec![0.0; zonal.len()];
     for (node, weight) in gauss_legendre(count) {
         for (start, end) in cuts.iter().zip(cuts.iter().skip(1)) {
