@@ -82,6 +82,21 @@ fn many_samples_lose_no_digits() {
 }
 
 #[test]
+fn small_samples_beside_a_large_one_count() {
+    // What a chunk of blocks adds up to is below the rounding of the large one: sums in f32 alone would leave out those in its
+    // lane, 3.75e-5 of it.
+    let count = 200_000;
+    let directions = vec![[0.0_f32, 0.0, 1.0]; count];
+    let mut samples = vec![[3e-9_f32; 3]; count];
+    samples[0] = [1.0; 3];
+    let mut coeffs = [0.0_f32; 3 * 36];
+    Basis::new(order(6)).project(&directions, &samples, &mut coeffs);
+    let expected = (1.0 + 3e-9 * (count - 1) as f64) / (4.0 * std::f64::consts::PI).sqrt();
+    // The rounding of the result, and some tens of small samples.
+    assert!((f64::from(coeffs[0]) / expected - 1.0).abs() < 1e-6, "{coeffs:?} {expected}");
+}
+
+#[test]
 fn weights_of_a_quadrature_project_exactly() {
     let quadrature = Quadrature::new(10);
     let directions: Vec<[f64; 3]> = quadrature.points().iter().map(|&(s, _)| s).collect();
