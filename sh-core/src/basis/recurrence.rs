@@ -288,11 +288,9 @@ impl<V> Polar<V> {
         let height = z * sign;
         let excess = excess_length2::<W, V>([x, y, z]);
         let radius2 = x.mul_add(x, y * y);
-        // Close to the poles the distance is in x and y, elsewhere in z. There its rounding and the length of the direction are
-        // both of the size of its last digit, and are added together.
+        // Close to the poles the distance is in x and y, elsewhere in z, with a correction for the length of the direction.
         let distance = one - height;
-        let lost = (one - distance) - height;
-        let near_equator = distance + height.mul_add(half * excess, lost);
+        let near_equator = (half * excess).mul_add(height, distance);
         let close = V::splat(W::from_f64(POLAR_CAP)) * height;
         let from_pole = radius2.select_less(close * height, radius2.div(one + height), near_equator);
         Self { x, y, sign, from_pole, excess }
