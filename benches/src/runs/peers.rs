@@ -21,7 +21,7 @@ const CHUNK: usize = 12 * BLOCK;
 /// Both sides are timed in turn, this often; the best time of each counts.
 const ROUNDS: usize = 5;
 
-const HEAD: [&str; 7] = ["operation", "n", "peer", "peer, ns", "sh-core, ns", "ratio", "asked for"];
+const HEAD: [&str; 7] = ["operation", "n", "peer", "peer, ns", "sh-core, ns", "ratio", "aim"];
 const MARKS: [&str; 2] = ["<!-- peers: written by benches/peers/run.sh -->", "<!-- end of peers -->"];
 
 /// Times everything, prints the table, and writes it into the file that is named.
