@@ -1,5 +1,8 @@
-//! Rotation matrices for tests.
+//! Rotation matrices for tests, and expansions to turn.
 #![allow(dead_code, reason = "not every test needs all of them")]
+
+use proptest::prelude::*;
+use sh_core::{Order, dot};
 
 pub(crate) type Matrix = [[f64; 3]; 3];
 
@@ -53,4 +56,15 @@ pub(crate) fn critical_angles() -> Vec<f64> {
 
 pub(crate) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// An expansion of order 1 to `largest`, of unit length.
+pub(crate) fn expansion(largest: usize) -> impl Strategy<Value = (Order, Vec<f64>)> {
+    (1..=largest).prop_flat_map(|n| {
+        let coeffs = prop::collection::vec(-1.0..1.0_f64, n * n).prop_map(|f| {
+            let length = dot(&f, &f).sqrt().max(1e-6);
+            f.into_iter().map(|f| f / length).collect()
+        });
+        (Just(Order::new(n).expect("orders of tests are valid")), coeffs)
+    })
 }
