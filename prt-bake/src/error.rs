@@ -45,6 +45,16 @@ pub enum Error {
         /// The extensions that are known.
         accepted: &'static str,
     },
+    /// A baked file is in order, but of another kind than is needed.
+    #[error("{} is a baked file of kind {given}; {wanted} is needed", path.display())]
+    Kind {
+        /// The file.
+        path: PathBuf,
+        /// Its kind.
+        given: &'static str,
+        /// The kind that is needed.
+        wanted: &'static str,
+    },
     /// A file is in order, but there is no surface in it.
     #[error("{} holds no faces (and {vertices} vertices)", path.display())]
     NoFaces {

@@ -21,6 +21,7 @@ mod diffuse;
 mod environment;
 mod error;
 mod file;
+mod geometry;
 mod image;
 mod input;
 mod load;
@@ -34,12 +35,16 @@ mod sampling;
 #[cfg(feature = "trace")]
 mod scene;
 mod transfer;
+mod zonal;
 
 #[cfg(feature = "trace")]
 pub use diffuse::{BakeReport, bake_diffuse};
 pub use environment::Environment;
 pub use error::Error;
-pub use file::{BakedSurface, FileInfo, Metadata, Source, TensorInfo, file_info};
+pub use file::{
+    BakedFile, BakedSurface, FileInfo, Metadata, Source, TensorInfo, ZonalSurface, ZonalTexture, file_info,
+};
+pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};
 pub use load::load_mesh;
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
@@ -48,6 +53,7 @@ pub use progress::{Pass, Progress};
 #[cfg(feature = "trace")]
 pub use scene::{Hit, Scene};
 pub use transfer::TransferVectors;
+pub use zonal::{ViewMap, ZonalTransfer};
 
 #[cfg(all(doctest, feature = "trace"))]
 #[doc = include_str!("../README.md")]

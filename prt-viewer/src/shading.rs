@@ -58,7 +58,7 @@ pub(crate) fn surface<'a>(
     baked: &'a BakedSurface,
     transfer: &'a TransferVectors,
 ) -> Result<Surface<'a>, prt_gpu::Error> {
-    let BakedSurface { positions, triangles, albedo, .. } = baked;
+    let prt_bake::Geometry { positions, triangles, albedo, .. } = &baked.geometry;
     Surface::new(positions, triangles, albedo, transfer.order, transfer.channels, &transfer.values)
 }
 

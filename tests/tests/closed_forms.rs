@@ -66,7 +66,7 @@ fn open_sky_is_the_clamped_cosine_about_the_normal() {
         let mut zonal = vec![0.0; n];
         sh_core::clamped_cosine(&mut zonal);
         zonal.iter_mut().for_each(|z| *z /= std::f64::consts::PI);
-        for (vertex, normal) in baked.normals.iter().enumerate() {
+        for (vertex, normal) in baked.geometry.normals.iter().enumerate() {
             let expected = expand(order(n), &zonal, DVec3::from_array(normal.map(f64::from)).normalize());
             for (found, expected) in baked.transfer.vector(vertex, 0).iter().zip(expected) {
                 // Exact: no ray of a convex body is occluded. What is left is the rounding to f32.
@@ -87,7 +87,7 @@ fn at_the_foot_of_a_wall_half_the_sky_is_left() {
         .unwrap();
     let expected = quadrature_transfer(order(6), DVec3::Z, |s| s.x > 0.0);
     let baked = bake(&mesh, 6, 16384, 0);
-    let at_foot: Vec<usize> = (0..25).filter(|&vertex| baked.positions[vertex][0] == 0.0).collect();
+    let at_foot: Vec<usize> = (0..25).filter(|&vertex| baked.geometry.positions[vertex][0] == 0.0).collect();
     assert_eq!(at_foot.len(), 5, "vertices in the very plane of the wall");
     for vertex in 0..25 {
         let error = relative_error(baked.transfer.vector(vertex, 0), &expected);
@@ -105,8 +105,9 @@ fn a_disk_hides_its_view_factor() {
             .build()
             .unwrap();
         let baked = bake(&mesh, 6, 16384, 0);
-        let center = (0..9).find(|&v| (f64::from(baked.positions[v][0]) - case.offset).abs() < 1e-6).unwrap() + 1;
-        assert_eq!(baked.positions[center], [case.offset as f32, 0.0, 0.0]);
+        let center =
+            (0..9).find(|&v| (f64::from(baked.geometry.positions[v][0]) - case.offset).abs() < 1e-6).unwrap() + 1;
+        assert_eq!(baked.geometry.positions[center], [case.offset as f32, 0.0, 0.0]);
         let blocked = 1.0 - under_constant_light(&baked.transfer, center);
         // Measured 4.7e-4, and below 1.3e-3 for the whole vector: the rays that fall on the rim.
         assert!((blocked - case.blocked).abs() < 1e-3, "{case:?}: {blocked}");
@@ -216,7 +217,7 @@ fn coloured_walls_colour_their_neighbours() {
         .unwrap();
     let baked = bake(&mesh, 2, 1024, 2);
     let floor = |x: f32| {
-        let vertex = baked.positions.iter().position(|p| p[0] == x && p[1] == 0.0 && p[2] == 0.0).unwrap();
+        let vertex = baked.geometry.positions.iter().position(|p| p[0] == x && p[1] == 0.0 && p[2] == 0.0).unwrap();
         [0, 1, 2].map(|channel| baked.transfer.vector(vertex, channel)[0])
     };
     let (left, middle, right) = (floor(-0.875), floor(0.0), floor(0.875));

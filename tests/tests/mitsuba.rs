@@ -95,9 +95,10 @@ fn bake(mesh: &Mesh, reference: &Reference, n: usize) -> BakedSurface {
 /// The picture that the reference shows, and the distance of each pixel.
 fn render(baked: &BakedSurface, light: &[f32], order: Order, reference: &Reference) -> (Image, Vec<f32>) {
     let transfer = &baked.transfer;
-    let (triangles, positions) = (&baked.triangles, &baked.positions);
+    let (triangles, positions) = (&baked.geometry.triangles, &baked.geometry.positions);
     let surface =
-        Surface::new(positions, triangles, &baked.albedo, transfer.order, transfer.channels, &transfer.values).unwrap();
+        Surface::new(positions, triangles, &baked.geometry.albedo, transfer.order, transfer.channels, &transfer.values)
+            .unwrap();
     let (width, height) = (reference.width, reference.height);
     let clip_from_world = reference.camera.clip_from_world(width as f32 / height as f32, NEAR, FAR);
     let view = View::new(clip_from_world, width as u32, height as u32, 4).unwrap();

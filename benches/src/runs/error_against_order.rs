@@ -19,13 +19,20 @@ pub(super) fn run(asked: Option<&str>) -> Result<()> {
     let options = BakeOptions { order: full, rays_per_vertex: 8192, ..BakeOptions::default() };
     let baked = bake_diffuse(&mesh, &options, &())?.0;
     let TransferVectors { order, channels, values } = &baked.transfer;
-    let surface = Surface::new(&baked.positions, &baked.triangles, &baked.albedo, *order, *channels, values)?;
+    let surface = Surface::new(
+        &baked.geometry.positions,
+        &baked.geometry.triangles,
+        &baked.geometry.albedo,
+        *order,
+        *channels,
+        values,
+    )?;
     let mut curves = Vec::new();
     for file in ENVIRONMENTS {
         let Some(path) = prt_tests::data_path("this curve", file) else { continue };
         let environment = Environment::load(&path)?;
         let shade = |order| {
-            let mut radiance = vec![[0.0; 3]; baked.positions.len()];
+            let mut radiance = vec![[0.0; 3]; baked.geometry.positions.len()];
             cpu::shade_vector(&surface, &environment.light(order), order, &mut radiance);
             radiance
         };

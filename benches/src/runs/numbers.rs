@@ -78,16 +78,16 @@ fn shading(mesh: &Mesh, rows: &mut Vec<Vec<String>>) -> Result<()> {
     let baked = bake_diffuse(mesh, &BakeOptions::preview(), &())?.0;
     let transfer = &baked.transfer;
     let surface = Surface::new(
-        &baked.positions,
-        &baked.triangles,
-        &baked.albedo,
+        &baked.geometry.positions,
+        &baked.geometry.triangles,
+        &baked.geometry.albedo,
         transfer.order,
         transfer.channels,
         &transfer.values,
     )?;
     let white = Environment::LatLong(prt_bake::Image { width: 2, height: 1, pixels: vec![[1.0; 3]; 2] });
     let light = white.light(transfer.order);
-    let mut radiance = vec![[0.0; 3]; baked.positions.len()];
+    let mut radiance = vec![[0.0; 3]; baked.geometry.positions.len()];
     let count = radiance.len() as f64;
     let seconds =
         median_seconds(5, || cpu::shade_vector(&surface, black_box(&light), transfer.order, black_box(&mut radiance)));

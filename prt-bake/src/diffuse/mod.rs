@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
-use crate::{BakeOptions, BakedSurface, Error, Mesh, Metadata, Pass, Progress, Scene, TransferVectors};
+use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Pass, Progress, Scene, TransferVectors};
 use bounce::Bounces;
 use direct::{DirectPass, HitRecord};
 
@@ -82,14 +82,9 @@ fn surface(mesh: &Mesh, options: &BakeOptions, transfer: TransferVectors) -> Bak
             bounces: options.bounces,
             seed: options.seed,
             shadowed: options.shadowed,
-            source: None,
-            error: None,
+            ..Metadata::default()
         },
-        positions: mesh.positions().iter().map(|position| position.map(|coordinate| coordinate as f32)).collect(),
-        normals: mesh.normals().to_vec(),
-        triangles: mesh.triangles().to_vec(),
-        albedo: mesh.albedo().to_vec(),
-        uvs: mesh.uvs().map(<[_]>::to_vec),
+        geometry: Geometry::of(mesh),
         transfer,
         transfer_shadowed: None,
     }

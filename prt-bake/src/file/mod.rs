@@ -1,44 +1,32 @@
 //! The baked file `*.prt`: safetensors with metadata, so that NumPy, PyTorch and any engine can map it into memory.
 
+mod exr;
 mod read;
+mod surface;
 mod write;
+mod zonal;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use sh_core::Order;
+
+use crate::Error;
 use crate::input::read_file;
-use crate::{Error, TransferVectors};
+
+pub use surface::BakedSurface;
+pub use zonal::{ZonalSurface, ZonalTexture};
 
 /// The version of the format that is written, and the newest that is read.
 const FORMAT: &str = "prt/1";
 /// The kind of file that holds one transfer vector for each vertex and channel.
 const VERTEX_TRANSFER: &str = "vertex-transfer";
+/// The kind of file that holds zonal lobes for each vertex.
+const ZONAL: &str = "zonal";
+/// The kind of file that holds zonal lobes for each texel of a texture that tiles.
+const TEXTURE_ZONAL: &str = "texture-zonal";
 /// The basis and the order of its functions.
 const CONVENTION: &str = "real, condon-shortley, i=l(l+1)+m";
-
-/// A surface with its baked transfer: all that shading needs, and how it was made.
-///
-/// In the file: `position`, `normal`, `albedo` `[V, 3]` f32, `index` `[T, 3]` u32, `transfer` `[V, C, n²]` f32, and where they
-/// exist `uv` `[V, 2]` and `transfer_shadowed` `[V, 1, n²]`. All are row-major and little-endian.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BakedSurface {
-    /// How the transfer was made.
-    pub metadata: Metadata,
-    /// Positions `[V]`, scene units.
-    pub positions: Vec<[f32; 3]>,
-    /// Shading normals `[V]`, unit length.
-    pub normals: Vec<[f32; 3]>,
-    /// Three vertex numbers a face.
-    pub triangles: Vec<[u32; 3]>,
-    /// Diffuse albedo `[V]`, linear. It is not part of the transfer of its own vertex.
-    pub albedo: Vec<[f32; 3]>,
-    /// Texture coordinates `[V]`.
-    pub uvs: Option<Vec<[f32; 2]>>,
-    /// Transfer of all light, direct and reflected.
-    pub transfer: TransferVectors,
-    /// Transfer of direct light alone, if `transfer` has interreflections and this was kept beside it. One channel.
-    pub transfer_shadowed: Option<TransferVectors>,
-}
 
 /// How a surface was baked.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -56,6 +44,8 @@ pub struct Metadata {
     /// Estimated error of the shadowed transfer vectors: root mean square of their error over root mean square of the unshadowed
     /// vectors' length, from baking some vertices twice with different directions. It does not contain the error of bounces.
     pub error: Option<f64>,
+    /// Error of zonal lobes: root mean square of what they leave over root mean square of the vectors that they were fitted to.
+    pub fit_error: Option<f64>,
 }
 
 /// The file that a surface was baked from.
@@ -103,45 +93,57 @@ pub struct TensorInfo {
     pub shape: Vec<usize>,
 }
 
-impl BakedSurface {
-    /// The unshadowed transfer of the surface, from its normals.
-    #[must_use]
-    pub fn unshadowed(&self) -> TransferVectors {
-        TransferVectors::unshadowed(self.transfer.order, &self.normals)
-    }
+/// A baked file of any kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BakedFile {
+    /// A transfer vector for each vertex.
+    Vectors(BakedSurface),
+    /// Zonal lobes for each vertex.
+    Zonal(ZonalSurface),
+    /// Zonal lobes for each texel.
+    Texture(ZonalTexture),
+}
 
-    /// Reads a baked file. Shapes are checked against the metadata, and indices and values looked through, before anything is used.
+impl BakedFile {
+    /// Reads a baked file, whatever its kind. Shapes are checked against the metadata, and indices and values looked through, before
+    /// anything is used.
     ///
     /// # Errors
-    /// If the file cannot be read, is not a baked file, is of a newer format or another kind, or contradicts itself.
+    /// If the file cannot be read, is not a baked file, is of a newer format or an unknown kind, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        read::surface(&read_file(path)?).map_err(|reason| malformed(path, reason))
+        read::file(&read_file(path)?).map_err(|reason| malformed(path, reason))
     }
 
-    /// Writes a baked file; returns its size in bytes. The file appears under its name only when it is complete.
-    ///
-    /// # Errors
-    /// If the file cannot be written, or the arrays have different lengths.
-    pub fn write(&self, path: &Path) -> Result<u64, Error> {
-        self.check_lengths()?;
-        write::surface(self, path)
-    }
-
-    fn check_lengths(&self) -> Result<(), Error> {
-        let vertex_count = self.positions.len();
-        let uv_count = self.uvs.as_ref().map_or(vertex_count, Vec::len);
-        let shadowed_count = self.transfer_shadowed.as_ref().map_or(vertex_count, TransferVectors::vertex_count);
-        let counts = [
-            ("normals", self.normals.len()),
-            ("albedo", self.albedo.len()),
-            ("uvs", uv_count),
-            ("transfer vectors", self.transfer.vertex_count()),
-            ("shadowed transfer vectors", shadowed_count),
-        ];
-        match counts.into_iter().find(|&(_, count)| count != vertex_count) {
-            Some((what, count)) => Err(Error::InconsistentMesh(format!("{count} {what} for {vertex_count} vertices"))),
-            None => Ok(()),
+    /// The order of the transfer.
+    #[must_use]
+    pub fn order(&self) -> Order {
+        match self {
+            Self::Vectors(surface) => surface.transfer.order,
+            Self::Zonal(surface) => surface.transfer.order,
+            Self::Texture(texture) => texture.transfer.order,
         }
+    }
+
+    /// How the transfer was made.
+    #[must_use]
+    pub fn metadata(&self) -> &Metadata {
+        match self {
+            Self::Vectors(surface) => &surface.metadata,
+            Self::Zonal(surface) => &surface.metadata,
+            Self::Texture(texture) => &texture.metadata,
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Vectors(_) => VERTEX_TRANSFER,
+            Self::Zonal(_) => ZONAL,
+            Self::Texture(_) => TEXTURE_ZONAL,
+        }
+    }
+
+    fn unexpected(&self, path: &Path, wanted: &'static str) -> Error {
+        Error::Kind { path: path.to_owned(), given: self.kind(), wanted }
     }
 }
 

@@ -6,8 +6,11 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use sh_core::Order;
 
-use super::{BakedSurface, CONVENTION, FORMAT, FileInfo, Metadata, Source, TensorInfo, VERTEX_TRANSFER};
-use crate::{BakeOptions, TransferVectors};
+use super::{
+    BakedFile, BakedSurface, CONVENTION, FORMAT, FileInfo, Metadata, Source, TEXTURE_ZONAL, TensorInfo,
+    VERTEX_TRANSFER, ZONAL, ZonalSurface, ZonalTexture, write,
+};
+use crate::{BakeOptions, Geometry, TransferVectors, ViewMap, ZonalTransfer};
 
 /// A reason why a file is refused.
 type Reason = String;
@@ -25,39 +28,61 @@ pub(super) fn info(bytes: &[u8]) -> Result<FileInfo, Reason> {
     Ok(FileInfo { metadata, tensors, bytes: bytes.len() as u64 })
 }
 
-pub(super) fn surface(bytes: &[u8]) -> Result<BakedSurface, Reason> {
+pub(super) fn file(bytes: &[u8]) -> Result<BakedFile, Reason> {
     let map = info(bytes)?.metadata;
-    check_kind(&map)?;
+    check_format(&map)?;
     let tensors = SafeTensors::deserialize(bytes).map_err(|error| error.to_string())?;
     let file = Tensors { tensors: tensors.tensors().into_iter().collect(), order: order(&map)? };
-    let positions = file.vectors("position", None)?;
-    let vertex_count = Some(positions.len());
+    match entry(&map, "kind")? {
+        VERTEX_TRANSFER => surface(&map, &file).map(BakedFile::Vectors),
+        ZONAL => zonal_surface(&map, &file).map(BakedFile::Zonal),
+        TEXTURE_ZONAL => zonal_texture(&map, &file).map(BakedFile::Texture),
+        other => Err(format!("its kind is {other}; {VERTEX_TRANSFER}, {ZONAL} and {TEXTURE_ZONAL} are read")),
+    }
+}
+
+fn surface(map: &BTreeMap<String, String>, file: &Tensors) -> Result<BakedSurface, Reason> {
+    let geometry = file.geometry()?;
+    let transfer = |name| file.transfer(name, geometry.vertex_count());
     Ok(BakedSurface {
-        metadata: metadata(&map)?,
-        normals: file.vectors("normal", vertex_count)?,
-        albedo: file.vectors("albedo", vertex_count)?,
-        triangles: file.triangles(positions.len())?,
-        uvs: file.has("uv").then(|| file.vectors("uv", vertex_count)).transpose()?,
-        transfer: file.transfer("transfer", positions.len())?,
-        transfer_shadowed: file
-            .has("transfer_shadowed")
-            .then(|| file.transfer("transfer_shadowed", positions.len()))
-            .transpose()?,
-        positions,
+        metadata: metadata(map)?,
+        transfer: transfer("transfer")?,
+        transfer_shadowed: file.has("transfer_shadowed").then(|| transfer("transfer_shadowed")).transpose()?,
+        geometry,
     })
 }
 
-fn check_kind(map: &BTreeMap<String, String>) -> Result<(), Reason> {
+fn zonal_surface(map: &BTreeMap<String, String>, file: &Tensors) -> Result<ZonalSurface, Reason> {
+    let geometry = file.geometry()?;
+    let transfer = file.lobes(map, &[geometry.vertex_count()])?;
+    Ok(ZonalSurface { metadata: metadata(map)?, geometry, transfer })
+}
+
+fn zonal_texture(map: &BTreeMap<String, String>, file: &Tensors) -> Result<ZonalTexture, Reason> {
+    let &[height, width] = file.shape("height")? else { return Err("tensor height is not [H, W]".to_owned()) };
+    let normals = file.floats("normal", &[Some(height), Some(width), Some(3)])?;
+    let albedo = file.floats("albedo", &[Some(3)])?;
+    Ok(ZonalTexture {
+        metadata: metadata(map)?,
+        width,
+        height,
+        heights: file.floats("height", &[None, None])?,
+        normals: normals.as_chunks().0.to_vec(),
+        albedo: std::array::from_fn(|channel| albedo[channel]),
+        transfer: file.lobes(map, &[height, width])?,
+    })
+}
+
+fn check_format(map: &BTreeMap<String, String>) -> Result<(), Reason> {
     let format = entry(map, "format")?;
     if format != FORMAT {
         let is_newer = version(format) > version(FORMAT);
         let relation = if is_newer { "newer than" } else { "not" };
         return Err(format!("its format is {format}, {relation} what this version reads, {FORMAT}"));
     }
-    match (entry(map, "kind")?, entry(map, "convention")?) {
-        (VERTEX_TRANSFER, CONVENTION) => Ok(()),
-        (VERTEX_TRANSFER, other) => Err(format!("its convention is \"{other}\"; \"{CONVENTION}\" is read")),
-        (other, _) => Err(format!("its kind is {other}; {VERTEX_TRANSFER} is read")),
+    match entry(map, "convention")? {
+        CONVENTION => Ok(()),
+        other => Err(format!("its convention is \"{other}\"; \"{CONVENTION}\" is read")),
     }
 }
 
@@ -72,6 +97,33 @@ fn entry<'a>(map: &'a BTreeMap<String, String>, key: &str) -> Result<&'a str, Re
 fn number<T: std::str::FromStr>(map: &BTreeMap<String, String>, key: &str) -> Result<T, Reason> {
     let text = entry(map, key)?;
     text.parse().map_err(|_| format!("its metadata entry \"{key}\" is \"{text}\", not a valid value"))
+}
+
+/// Most rows of glossy transfer that are read.
+const MAX_ROWS: usize = 1024;
+/// How far the length of a lobe's axis may be from 1. Axes are rounded to `f32`; anything beyond this was not one.
+const AXIS_TOLERANCE: f32 = 1e-3;
+
+fn in_range(
+    map: &BTreeMap<String, String>,
+    key: &str,
+    range: std::ops::RangeInclusive<usize>,
+) -> Result<usize, Reason> {
+    let value = number(map, key)?;
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    Err(format!("its metadata entry \"{key}\" is {value}; {} to {} are read", range.start(), range.end()))
+}
+
+fn check_unit(axes: &[[f32; 3]]) -> Result<(), Reason> {
+    let is_unit = |axis: &[f32; 3]| (axis.iter().map(|x| x * x).sum::<f32>().sqrt() - 1.0).abs() <= AXIS_TOLERANCE;
+    match axes.iter().position(|axis| !is_unit(axis)) {
+        Some(place) => {
+            Err(format!("lobe {place} of tensor lobe_axis has the axis {:?}, not of unit length", axes[place]))
+        }
+        None => Ok(()),
+    }
 }
 
 fn order(map: &BTreeMap<String, String>) -> Result<Order, Reason> {
@@ -90,6 +142,7 @@ fn metadata(map: &BTreeMap<String, String>) -> Result<Metadata, Reason> {
         shadowed: number(map, "shadowed")?,
         source: map.get("source").and_then(|text| source(text)),
         error: map.contains_key("error").then(|| number(map, "error")).transpose()?,
+        fit_error: map.contains_key("fit_error").then(|| number(map, "fit_error")).transpose()?,
     })
 }
 
@@ -107,6 +160,69 @@ struct Tensors<'a> {
 impl Tensors<'_> {
     fn has(&self, name: &str) -> bool {
         self.tensors.contains_key(name)
+    }
+
+    fn shape(&self, name: &str) -> Result<&[usize], Reason> {
+        self.tensors.get(name).map(|tensor| tensor.shape()).ok_or_else(|| format!("tensor {name} is missing"))
+    }
+
+    fn geometry(&self) -> Result<Geometry, Reason> {
+        let positions = self.vectors("position", None)?;
+        let vertex_count = Some(positions.len());
+        Ok(Geometry {
+            normals: self.vectors("normal", vertex_count)?,
+            albedo: self.vectors("albedo", vertex_count)?,
+            triangles: self.triangles(positions.len())?,
+            uvs: self.has("uv").then(|| self.vectors("uv", vertex_count)).transpose()?,
+            positions,
+        })
+    }
+
+    /// Lobes of a set of points of the given shape. Sizes come from the tensors themselves, whose bytes are there.
+    fn lobes(&self, map: &BTreeMap<String, String>, points: &[usize]) -> Result<ZonalTransfer, Reason> {
+        let last = |name: &str, from_end: usize| -> Result<usize, Reason> {
+            let shape = self.shape(name)?;
+            shape
+                .len()
+                .checked_sub(from_end)
+                .map(|i| shape[i])
+                .ok_or_else(|| format!("tensor {name} has shape {shape:?}"))
+        };
+        let explicit_count = match last("explicit", 1)? {
+            count @ (1 | 4) if count <= self.order.coeff_count() => count,
+            other => return Err(format!("tensor explicit has {other} coefficients a row; 1 and 4 are read")),
+        };
+        let mut lobes = ZonalTransfer {
+            order: self.order,
+            rows: in_range(map, "rows", 1..=MAX_ROWS)?,
+            channels: in_range(map, "channels", 1..=3)?,
+            lobe_count: last("lobe_axis", 2)?,
+            explicit_count,
+            explicit: Vec::new(),
+            axes: Vec::new(),
+            coeffs: Vec::new(),
+            view_map: None,
+        };
+        let [explicit, axis, coeff] =
+            write::lobe_shapes(&lobes, points).map(|shape| shape.into_iter().map(Some).collect::<Vec<_>>());
+        lobes.explicit = self.floats("explicit", &explicit)?;
+        lobes.axes = self.floats("lobe_axis", &axis)?.as_chunks().0.to_vec();
+        lobes.coeffs = self.floats("lobe_coeff", &coeff)?;
+        check_unit(&lobes.axes)?;
+        lobes.view_map = self.view_map(lobes.rows)?;
+        Ok(lobes)
+    }
+
+    fn view_map(&self, rows: usize) -> Result<Option<ViewMap>, Reason> {
+        if !self.has("view_map") {
+            return if rows == 1 {
+                Ok(None)
+            } else {
+                Err(format!("tensor view_map is missing; there are {rows} rows"))
+            };
+        }
+        let size = self.shape("view_map")?.first().copied().unwrap_or_default();
+        Ok(Some(ViewMap { size, values: self.floats("view_map", &[Some(size), Some(size), Some(rows)])? }))
     }
 
     /// The bytes of a tensor of the given type and shape; `None` in the shape allows any size.

@@ -7,9 +7,13 @@ use std::path::Path;
 use safetensors::Dtype;
 use serde_json::{Value, json};
 
-use super::{BakedSurface, CONVENTION, FORMAT, VERTEX_TRANSFER};
-use crate::Error;
+use sh_core::Order;
+
+use super::{
+    BakedSurface, CONVENTION, FORMAT, Metadata, TEXTURE_ZONAL, VERTEX_TRANSFER, ZONAL, ZonalSurface, ZonalTexture,
+};
 use crate::atomic::write_atomically;
+use crate::{Error, Geometry, ZonalTransfer};
 
 /// An array on its way into the file.
 struct Tensor<'a> {
@@ -46,10 +50,37 @@ impl Values<'_> {
     }
 }
 
-/// Writes the surface; returns the size of the file.
 pub(super) fn surface(surface: &BakedSurface, path: &Path) -> Result<u64, Error> {
-    let tensors = tensors(surface);
-    let header = header(&metadata(surface), &tensors);
+    let mut tensors = geometry(&surface.geometry);
+    let transfers = [("transfer", Some(&surface.transfer)), ("transfer_shadowed", surface.transfer_shadowed.as_ref())];
+    for (name, transfer) in transfers.into_iter().filter_map(|(name, transfer)| Some((name, transfer?))) {
+        let shape = vec![surface.geometry.vertex_count(), transfer.channels, transfer.order.coeff_count()];
+        tensors.push(Tensor { name, shape, values: Values::F32(&transfer.values) });
+    }
+    write(path, &metadata(&surface.metadata, VERTEX_TRANSFER, surface.transfer.order), &tensors)
+}
+
+pub(super) fn zonal_surface(surface: &ZonalSurface, path: &Path) -> Result<u64, Error> {
+    let mut tensors = geometry(&surface.geometry);
+    tensors.extend(lobes(&surface.transfer, &[surface.geometry.vertex_count()]));
+    write(path, &zonal_metadata(&surface.metadata, ZONAL, &surface.transfer), &tensors)
+}
+
+pub(super) fn zonal_texture(texture: &ZonalTexture, path: &Path) -> Result<u64, Error> {
+    let size = vec![texture.height, texture.width];
+    let vectors = Values::F32(texture.normals.as_flattened());
+    let mut tensors = lobes(&texture.transfer, &size);
+    tensors.extend([
+        Tensor { name: "albedo", shape: vec![3], values: Values::F32(&texture.albedo) },
+        Tensor { name: "height", shape: size.clone(), values: Values::F32(&texture.heights) },
+        Tensor { name: "normal", shape: [size.as_slice(), &[3]].concat(), values: vectors },
+    ]);
+    write(path, &zonal_metadata(&texture.metadata, TEXTURE_ZONAL, &texture.transfer), &tensors)
+}
+
+/// Writes the file; returns its size.
+fn write(path: &Path, metadata: &BTreeMap<&str, String>, tensors: &[Tensor]) -> Result<u64, Error> {
+    let header = header(metadata, tensors);
     let size = 8 + header.len() + tensors.iter().map(|tensor| tensor.values.byte_count()).sum::<usize>();
     write_atomically(path, |file| {
         let mut out = io::BufWriter::with_capacity(1 << 20, file);
@@ -61,36 +92,54 @@ pub(super) fn surface(surface: &BakedSurface, path: &Path) -> Result<u64, Error>
     Ok(size as u64)
 }
 
-fn tensors(surface: &BakedSurface) -> Vec<Tensor<'_>> {
+fn geometry(geometry: &Geometry) -> Vec<Tensor<'_>> {
     let vectors = |values| Values::F32(<[[f32; 3]]>::as_flattened(values));
-    let vertex_count = surface.positions.len();
+    let vertex_count = geometry.vertex_count();
+    let triangles = Values::U32(geometry.triangles.as_flattened());
     let mut tensors = vec![
-        Tensor { name: "position", shape: vec![vertex_count, 3], values: vectors(&surface.positions) },
-        Tensor { name: "normal", shape: vec![vertex_count, 3], values: vectors(&surface.normals) },
-        Tensor { name: "albedo", shape: vec![vertex_count, 3], values: vectors(&surface.albedo) },
-        Tensor {
-            name: "index",
-            shape: vec![surface.triangles.len(), 3],
-            values: Values::U32(surface.triangles.as_flattened()),
-        },
+        Tensor { name: "position", shape: vec![vertex_count, 3], values: vectors(&geometry.positions) },
+        Tensor { name: "normal", shape: vec![vertex_count, 3], values: vectors(&geometry.normals) },
+        Tensor { name: "albedo", shape: vec![vertex_count, 3], values: vectors(&geometry.albedo) },
+        Tensor { name: "index", shape: vec![geometry.triangles.len(), 3], values: triangles },
     ];
-    if let Some(uvs) = &surface.uvs {
+    if let Some(uvs) = &geometry.uvs {
         tensors.push(Tensor { name: "uv", shape: vec![vertex_count, 2], values: Values::F32(uvs.as_flattened()) });
-    }
-    let transfers = [("transfer", Some(&surface.transfer)), ("transfer_shadowed", surface.transfer_shadowed.as_ref())];
-    for (name, transfer) in transfers.into_iter().filter_map(|(name, transfer)| Some((name, transfer?))) {
-        let shape = vec![vertex_count, transfer.channels, transfer.order.coeff_count()];
-        tensors.push(Tensor { name, shape, values: Values::F32(&transfer.values) });
     }
     tensors
 }
 
-fn metadata(surface: &BakedSurface) -> BTreeMap<&'static str, String> {
-    let metadata = &surface.metadata;
+/// - `points`: the shape of the set of points, `[V]` or `[H, W]`
+fn lobes<'a>(transfer: &'a ZonalTransfer, points: &[usize]) -> Vec<Tensor<'a>> {
+    let [explicit, axis, coeff] = lobe_shapes(transfer, points);
+    let mut tensors = vec![
+        Tensor { name: "explicit", shape: explicit, values: Values::F32(&transfer.explicit) },
+        Tensor { name: "lobe_axis", shape: axis, values: Values::F32(transfer.axes.as_flattened()) },
+        Tensor { name: "lobe_coeff", shape: coeff, values: Values::F32(&transfer.coeffs) },
+    ];
+    if let Some(map) = &transfer.view_map {
+        let shape = vec![map.size, map.size, transfer.rows];
+        tensors.push(Tensor { name: "view_map", shape, values: Values::F32(&map.values) });
+    }
+    tensors
+}
+
+/// Shapes of `explicit`, `lobe_axis` and `lobe_coeff`: a single row and a single channel have no dimension of their own.
+pub(super) fn lobe_shapes(transfer: &ZonalTransfer, points: &[usize]) -> [Vec<usize>; 3] {
+    let several = |count: usize| if count > 1 { vec![count] } else { Vec::new() };
+    let rows = [points, &several(transfer.rows)].concat();
+    let channels = [rows.as_slice(), &several(transfer.channels)].concat();
+    [
+        [channels.as_slice(), &[transfer.explicit_count]].concat(),
+        [rows.as_slice(), &[transfer.lobe_count, 3]].concat(),
+        [channels.as_slice(), &[transfer.lobe_count, transfer.order.get()]].concat(),
+    ]
+}
+
+fn metadata(metadata: &Metadata, kind: &str, order: Order) -> BTreeMap<&'static str, String> {
     let mut map = BTreeMap::from([
         ("format", FORMAT.to_owned()),
-        ("kind", VERTEX_TRANSFER.to_owned()),
-        ("order", surface.transfer.order.to_string()),
+        ("kind", kind.to_owned()),
+        ("order", order.to_string()),
         ("convention", CONVENTION.to_owned()),
         ("rays", metadata.rays.to_string()),
         ("bounces", metadata.bounces.to_string()),
@@ -101,9 +150,19 @@ fn metadata(surface: &BakedSurface) -> BTreeMap<&'static str, String> {
     if let Some(source) = &metadata.source {
         map.insert("source", format!("{} sha256:{}", source.name, source.sha256));
     }
-    if let Some(error) = metadata.error {
-        map.insert("error", format!("{error:e}"));
-    }
+    let errors = [("error", metadata.error), ("fit_error", metadata.fit_error)];
+    map.extend(errors.into_iter().filter_map(|(name, error)| Some((name, format!("{:e}", error?)))));
+    map
+}
+
+/// Metadata of a file with lobes. `rows` and `channels` tell dimensions of the same size apart.
+pub(super) fn zonal_metadata(from: &Metadata, kind: &str, transfer: &ZonalTransfer) -> BTreeMap<&'static str, String> {
+    let mut map = metadata(from, kind, transfer.order);
+    map.extend([
+        ("lobes", transfer.lobe_count.to_string()),
+        ("rows", transfer.rows.to_string()),
+        ("channels", transfer.channels.to_string()),
+    ]);
     map
 }
 

@@ -194,8 +194,8 @@ fn report(
     Report {
         scene: arguments.scene.display().to_string(),
         output: output.display().to_string(),
-        vertices: baked.positions.len(),
-        triangles: baked.triangles.len(),
+        vertices: baked.geometry.positions.len(),
+        triangles: baked.geometry.triangles.len(),
         faces_dropped: mesh.faces_dropped(),
         faces_degenerate: mesh.degenerate,
         faces_duplicate: mesh.duplicate,

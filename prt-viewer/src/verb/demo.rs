@@ -89,8 +89,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let report = Report {
         picture: PICTURE,
         baked: BAKED,
-        vertices: baked.positions.len(),
-        triangles: baked.triangles.len(),
+        vertices: baked.geometry.positions.len(),
+        triangles: baked.geometry.triangles.len(),
         order: baked.transfer.order.get(),
         bounces: baked.metadata.bounces,
         rays_traced: bake_report.rays_traced,
@@ -126,7 +126,7 @@ fn camera() -> Camera {
 fn shade(baked: &BakedSurface, lighting: &Lighting, camera: &Camera, backend: Backend) -> anyhow::Result<Shaded> {
     let order = baked.transfer.order;
     let light = lighting.light(order, Quat::IDENTITY);
-    let clip_from_world = camera.clip_from_world(SIZE.aspect(), Sphere::around(&baked.positions));
+    let clip_from_world = camera.clip_from_world(SIZE.aspect(), Sphere::around(&baked.geometry.positions));
     let view = View::new(clip_from_world.to_cols_array_2d(), SIZE.width, SIZE.height, SAMPLES)?;
     shading::shade(&shading::surface(baked, &baked.transfer)?, &light, order, &view, backend)
 }
@@ -135,7 +135,7 @@ fn shade(baked: &BakedSurface, lighting: &Lighting, camera: &Camera, backend: Ba
 fn open_window(baked: BakedSurface, lightings: Vec<Lighting>, camera: &Camera) {
     let mut orbit = Orbit::through(camera);
     // As far away as all that the picture shows is beside the panel.
-    orbit.zoom(SIZE.aspect() / window::picture_aspect(SIZE), Sphere::around(&baked.positions));
+    orbit.zoom(SIZE.aspect() / window::picture_aspect(SIZE), Sphere::around(&baked.geometry.positions));
     let subject = Subject {
         path: PathBuf::from(BAKED),
         baked: Arc::new(baked),

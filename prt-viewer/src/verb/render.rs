@@ -110,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     output_file::check(&arguments.output)?;
     let baked = read(&arguments.file)?;
     let order = used_order(arguments, &baked)?;
-    let camera = arguments.camera.camera(&baked.positions, arguments.size.aspect())?;
+    let camera = arguments.camera.camera(&baked.geometry.positions, arguments.size.aspect())?;
     let load = laps.lap();
 
     let lighting = Lighting::load(&arguments.env, order)?;
@@ -139,8 +139,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         width: arguments.size.width,
         height: arguments.size.height,
         samples: arguments.samples,
-        vertices: baked.positions.len(),
-        triangles: baked.triangles.len(),
+        vertices: baked.geometry.positions.len(),
+        triangles: baked.geometry.triangles.len(),
         order: order.get(),
         exposure,
         camera: CameraReport::new(&camera),
@@ -155,7 +155,7 @@ pub(crate) fn read(path: &Path) -> anyhow::Result<BakedSurface> {
     let is_mesh = MESHES.iter().any(|mesh| extension.eq_ignore_ascii_case(mesh));
     ensure!(!is_mesh, "cannot show {}: it is a mesh; bake it first, with `prt bake`", path.display());
     let baked = BakedSurface::read(path)?;
-    ensure!(!baked.triangles.is_empty(), "cannot show {}: it has no triangles", path.display());
+    ensure!(!baked.geometry.triangles.is_empty(), "cannot show {}: it has no triangles", path.display());
     Ok(baked)
 }
 
@@ -179,7 +179,7 @@ fn shade(
 ) -> anyhow::Result<Shaded> {
     let transfer = arguments.part.transfer(baked)?;
     let Size { width, height } = arguments.size;
-    let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&baked.positions));
+    let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&baked.geometry.positions));
     let view = View::new(clip_from_world.to_cols_array_2d(), width, height, arguments.samples)?;
     shading::shade(&shading::surface(baked, &transfer)?, light, order, &view, arguments.backend)
 }

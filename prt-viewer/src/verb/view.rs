@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(reason) = window::no_display() {
         bail!("cannot open a window: {reason}; `prt render` writes a picture without one");
     }
-    let camera = arguments.camera.camera(&baked.positions, window::picture_aspect(arguments.size))?;
+    let camera = arguments.camera.camera(&baked.geometry.positions, window::picture_aspect(arguments.size))?;
     let subject = Subject {
         path: arguments.file.clone(),
         lightings: lightings(&arguments.env, baked.transfer.order)?,

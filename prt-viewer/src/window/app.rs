@@ -70,7 +70,7 @@ impl App {
         set_failure(&failure, capture.as_ref().map(Capture::missing));
         Ok(Self {
             path,
-            around: Sphere::around(&baked.positions),
+            around: Sphere::around(&baked.geometry.positions),
             parts,
             lightings: lightings.into_iter().map(Arc::new).collect(),
             start: settings.clone(),

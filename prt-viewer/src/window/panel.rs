@@ -81,15 +81,15 @@ fn transfer(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
 }
 
 fn frame(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
-    let BakedSurface { positions, triangles, metadata, transfer, .. } = facts.baked;
+    let BakedSurface { geometry, metadata, transfer, .. } = facts.baked;
     ui.heading("Frame");
     ui.checkbox(&mut settings.draws_continuously, "Draw all the time");
     ui.label(match facts.frame_seconds {
         Some(seconds) => format!("{:.1} ms a frame, {:.0} a second", 1e3 * seconds, 1.0 / seconds.max(1e-6)),
         None => facts.work_seconds.map_or(String::new(), |seconds| format!("{:.1} ms of CPU work", 1e3 * seconds)),
     });
-    ui.label(format!("{} vertices", output::count(positions.len() as u64)));
-    ui.label(format!("{} triangles", output::count(triangles.len() as u64)));
+    ui.label(format!("{} vertices", output::count(geometry.vertex_count() as u64)));
+    ui.label(format!("{} triangles", output::count(geometry.triangles.len() as u64)));
     ui.label(format!(
         "order {}, {} rays, {} bounces",
         transfer.order,

@@ -58,7 +58,7 @@ fn scene() -> BakedSurface {
 fn subject(folder: &Path) -> Subject {
     let baked = Arc::new(scene());
     let order = baked.transfer.order;
-    let orbit = Orbit::framing(&baked.positions, Side::ThreeQuarter, Vec3::Y, DEFAULT_FOV, 1.0);
+    let orbit = Orbit::framing(&baked.geometry.positions, Side::ThreeQuarter, Vec3::Y, DEFAULT_FOV, 1.0);
     Subject {
         path: folder.join("scene.prt"),
         lightings: [BuiltIn::Sky, BuiltIn::White].map(|built_in| Lighting::built_in(built_in, order)).into(),
