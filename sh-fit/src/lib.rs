@@ -1,10 +1,24 @@
 //! Zonal-lobe fits of transfer vectors, after [SLS05](sh_core#references).
 //!
-//! This version holds the one fit that needs no solver, the optimal linear lobe; sums of several lobes come with the general fit.
+//! A sum of zonal lobes about a few axes approximates a transfer vector and can be rotated with a deforming surface by rotating
+//! its axes. [`fit_lobes`] finds the lobes of one vector, [`fit_lobes_many`] those of a mesh or texture;
+//! [`optimal_linear_lobe`] needs no search and finds a single lobe.
 
+mod error;
+mod fit;
 mod linear_lobe;
+mod lobes;
+mod neighbours;
+mod options;
+mod report;
 
+pub use error::Error;
+pub use fit::{LobeFit, fit_lobes, fit_lobes_many};
 pub use linear_lobe::{ZonalLobe, optimal_linear_lobe};
+pub use lobes::{LobeSet, explicit_count};
+pub use neighbours::Neighbours;
+pub use options::{FitOptions, Method};
+pub use report::{Distribution, FitReport, Stop, StopCounts};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
