@@ -72,6 +72,9 @@ pub enum Error {
     /// Two arrays that belong together have different lengths, or an index points past the end.
     #[error("inconsistent mesh: {0}")]
     InconsistentMesh(String),
+    /// Heights do not make a field.
+    #[error("invalid height field: {0}")]
+    HeightField(String),
     /// A setting is out of its range.
     #[error("invalid option: {0}")]
     Option(String),

@@ -2,7 +2,8 @@
 //!
 //! The way through the crate: [`load_mesh`] reads a file into a [`MeshSource`]; [`Mesh::new`] checks, cleans and completes it;
 //! [`bake_diffuse`] makes a [`BakedSurface`], which [`BakedSurface::write`] puts into one file `*.prt`. [`Environment`] gives the light
-//! vectors that a baked surface is lit with. [`Scene`] answers rays.
+//! vectors that a baked surface is lit with. [`Scene`] answers rays. [`bake_patch`] bakes a [`HeightField`] that tiles the plane, opaque
+//! or translucent, as a texture of transfer.
 //!
 //! # Conventions
 //!
@@ -29,6 +30,8 @@ mod mesh;
 mod options;
 #[cfg(feature = "trace")]
 mod parallel;
+#[cfg(feature = "trace")]
+mod patch;
 mod progress;
 #[cfg(feature = "trace")]
 mod sampling;
@@ -49,6 +52,8 @@ pub use image::{ExrPrecision, Image, save_png};
 pub use load::load_mesh;
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
 pub use options::BakeOptions;
+#[cfg(feature = "trace")]
+pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, ScatteringReport, bake_patch};
 pub use progress::{Pass, Progress};
 #[cfg(feature = "trace")]
 pub use scene::{Hit, Scene};

@@ -10,6 +10,8 @@ mod standard;
 use std::path::Path;
 
 pub use save::{ExrPrecision, save_png};
+#[cfg(feature = "trace")]
+pub(crate) use srgb::linear_to_srgb;
 pub(crate) use srgb::{srgb_to_linear, srgb8_to_linear};
 pub(crate) use standard::decode_rgb8;
 
