@@ -2,12 +2,14 @@
 
 use super::direct::HitRecord;
 use crate::parallel::Threads;
-use crate::{Error, Mesh, Progress, TransferVectors};
+use crate::{Error, Progress, TransferVectors};
 
 /// The transfer of the last bounce, and of all together.
 #[derive(Debug)]
-pub(super) struct Bounces<'a> {
-    mesh: &'a Mesh,
+pub(crate) struct Bounces<'a> {
+    triangles: &'a [[u32; 3]],
+    /// Of each vertex.
+    albedo: &'a [[f32; 3]],
     /// Transfer of the last pass, times the albedo of the vertex: what it sends out.
     outgoing: TransferVectors,
     total: TransferVectors,
@@ -16,16 +18,16 @@ pub(super) struct Bounces<'a> {
 
 impl<'a> Bounces<'a> {
     /// Starts from direct transfer, of one channel. Colour is carried only if a surface has it.
-    pub(super) fn new(mesh: &'a Mesh, direct: &TransferVectors) -> Self {
-        let channels = if mesh.albedo().iter().all(|[r, g, b]| r == g && g == b) { 1 } else { 3 };
+    pub(crate) fn new(triangles: &'a [[u32; 3]], albedo: &'a [[f32; 3]], direct: &TransferVectors) -> Self {
+        let channels = if albedo.iter().all(|[r, g, b]| r == g && g == b) { 1 } else { 3 };
         let total = with_channels(direct, channels);
-        let outgoing = reflected(mesh, &total);
-        Self { mesh, outgoing, direct_length: length(&total), total }
+        let outgoing = reflected(albedo, &total);
+        Self { triangles, albedo, outgoing, direct_length: length(&total), total }
     }
 
     /// One more bounce: `M_b(p) = Σ w ρ(q) M_{b-1}(q)` over the hits `q` of `p`. Returns the length of what it added, relative
     /// to the direct transfer. Source: [SKS02](sh_core#references) section 5.
-    pub(super) fn next(
+    pub(crate) fn next(
         &mut self,
         hits: &[Vec<HitRecord>],
         threads: &Threads,
@@ -45,7 +47,7 @@ impl<'a> Bounces<'a> {
             },
         )?;
         self.total.values.iter_mut().zip(&arriving.values).for_each(|(total, added)| *total += added);
-        self.outgoing = reflected(self.mesh, &arriving);
+        self.outgoing = reflected(self.albedo, &arriving);
         Ok(length(&arriving) / self.direct_length.max(f64::MIN_POSITIVE))
     }
 
@@ -53,14 +55,14 @@ impl<'a> Bounces<'a> {
     fn gather(&self, hits: &[HitRecord], sum: &mut [f64]) {
         sum.fill(0.0);
         for hit in hits {
-            let triangle = self.mesh.triangles()[hit.triangle as usize];
+            let triangle = self.triangles[hit.triangle as usize];
             let weights = hit.corner_weights().map(|weight| (weight * f64::from(hit.weight)) as f32);
             let rows = triangle.map(|vertex| &self.outgoing.values[vertex as usize * sum.len()..][..sum.len()]);
             add_interpolated(sum, rows, weights);
         }
     }
 
-    pub(super) fn into_total(self) -> TransferVectors {
+    pub(crate) fn into_total(self) -> TransferVectors {
         self.total
     }
 }
@@ -82,10 +84,10 @@ fn with_channels(transfer: &TransferVectors, channels: usize) -> TransferVectors
 }
 
 /// Transfer times the albedo of its vertex.
-fn reflected(mesh: &Mesh, transfer: &TransferVectors) -> TransferVectors {
+fn reflected(albedo: &[[f32; 3]], transfer: &TransferVectors) -> TransferVectors {
     let mut reflected = transfer.clone();
     let vertices = reflected.values.chunks_exact_mut(transfer.channels * transfer.order.coeff_count());
-    for (rows, albedo) in vertices.zip(mesh.albedo()) {
+    for (rows, albedo) in vertices.zip(albedo) {
         for (row, albedo) in rows.chunks_exact_mut(transfer.order.coeff_count()).zip(albedo) {
             row.iter_mut().for_each(|value| *value *= albedo);
         }

@@ -19,7 +19,7 @@ pub(super) struct DirectPass<'a> {
 
 /// A point that light may come from after a reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct HitRecord {
+pub(crate) struct HitRecord {
     pub(super) triangle: u32,
     /// Weights of the second and the third corner, in units of 1/65535.
     pub(super) barycentric: [u16; 2],
@@ -109,13 +109,17 @@ impl DirectPass<'_> {
 }
 
 impl HitRecord {
-    fn new(triangle: u32, barycentric: [f32; 2], weight: f32) -> Self {
+    pub(crate) fn new(triangle: u32, barycentric: [f32; 2], weight: f32) -> Self {
         let quantized = barycentric.map(|weight| (weight.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16);
         Self { triangle, barycentric: quantized, weight }
     }
 
+    pub(crate) fn triangle(&self) -> u32 {
+        self.triangle
+    }
+
     /// Weights of the three corners.
-    pub(super) fn corner_weights(&self) -> [f64; 3] {
+    pub(crate) fn corner_weights(&self) -> [f64; 3] {
         let [b, c] = self.barycentric.map(|weight| f64::from(weight) / f64::from(u16::MAX));
         [1.0 - b - c, b, c]
     }
@@ -147,7 +151,7 @@ fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> + '_ {
 
 /// `sum += factor * row`.
 #[multiversion::multiversion(targets("x86_64+avx+avx2"))]
-fn add_scaled(sum: &mut [f64], row: &[f32], factor: f64) {
+pub(crate) fn add_scaled(sum: &mut [f64], row: &[f32], factor: f64) {
     for (sum, &value) in sum.iter_mut().zip(row) {
         *sum += factor * f64::from(value);
     }

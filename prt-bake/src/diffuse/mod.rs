@@ -11,8 +11,9 @@ use std::time::{Duration, Instant};
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
 use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Pass, Progress, Scene, TransferVectors};
-use bounce::Bounces;
-use direct::{DirectPass, HitRecord};
+pub(crate) use bounce::Bounces;
+use direct::DirectPass;
+pub(crate) use direct::{HitRecord, add_scaled};
 
 /// What a bake did.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -132,7 +133,7 @@ fn interreflect(
     progress: &dyn Progress,
     report: &mut BakeReport,
 ) -> Result<(), Error> {
-    let mut bounces = Bounces::new(mesh, &baked.transfer);
+    let mut bounces = Bounces::new(mesh.triangles(), mesh.albedo(), &baked.transfer);
     for bounce in 1..=options.bounces {
         progress.start(Pass::Bounce(bounce), mesh.positions().len());
         report.bounce_energy.push(bounces.next(hits, threads, progress)?);

@@ -2,16 +2,21 @@
 //!
 //! Source: [SLS05](sh_core#references) section 6.
 
+mod direct;
 mod field;
+mod glossy;
 mod image;
 mod medium;
+mod opaque;
 mod options;
 mod pattern;
+mod surface;
 mod transfer;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crate::{Error, Progress};
+use crate::{Error, Progress, TransferVectors};
+use opaque::Opaque;
 
 pub use field::HeightField;
 pub use medium::Medium;
@@ -55,7 +60,25 @@ impl ScatteringReport {
     pub const MAX_EVENTS: u32 = 1 << 20;
 }
 
+impl PatchReport {
+    /// Counts rays, and how many of them were occluded, texel by texel.
+    fn add_rays(&mut self, texels: impl Iterator<Item = (u64, u64)>) {
+        let (rays, occluded) = texels.fold((0, 0), |(a, b), (rays, occluded)| (a + rays, b + occluded));
+        let before = self.occluded_share * self.rays_traced as f64;
+        self.rays_traced += rays;
+        self.occluded_share = (before + occluded as f64) / (self.rays_traced as f64).max(1.0);
+    }
+}
+
 /// Bakes the transfer of every texel of a height field that tiles the plane.
+///
+/// Points of an opaque patch are the texel centres, on the surface, with the smooth normals of [`HeightField::normal`]. Their rays
+/// follow the surface without end in both directions, in `f64`; what is shadowed is the surface's own triangles, so light from
+/// below the plane reaches nothing. Shadowed transfer is the analytic unshadowed one less the occluded directions, so a level field is exact.
+///
+/// A translucent patch is baked by random walks; see [`Medium`].
+///
+/// Same options, same bytes, for any number of threads.
 ///
 /// # Errors
 /// If an option is out of range, or the caller cancels.
@@ -65,9 +88,31 @@ pub fn bake_patch(
     progress: &dyn Progress,
 ) -> Result<(PatchTransfer, PatchReport), Error> {
     options.validate(field)?;
-    let transfer = PatchTransfer::zero(field, options);
-    if progress.is_cancelled() {
-        return Err(Error::Cancelled);
+    let start = Instant::now();
+    let mut transfer = PatchTransfer::zero(field, options);
+    let mut report = PatchReport::default();
+    bake_opaque(field, options, &mut transfer, progress, &mut report)?;
+    report.trace = start.elapsed();
+    Ok((transfer, report))
+}
+
+fn bake_opaque(
+    field: &HeightField,
+    options: &PatchOptions,
+    transfer: &mut PatchTransfer,
+    progress: &dyn Progress,
+    report: &mut PatchReport,
+) -> Result<(), Error> {
+    if options.responses.is_empty() && !options.shadowed {
+        transfer.values = TransferVectors::unshadowed(options.order, &transfer.normals).values;
+        return Ok(());
     }
-    Ok((transfer, PatchReport::default()))
+    let opaque = Opaque::new(field, options)?;
+    report.threads = opaque.threads.count();
+    if options.responses.is_empty() {
+        transfer.values = opaque.diffuse(options.bounces, progress, report)?.values;
+        report.error = Some(opaque.diffuse_error());
+        return Ok(());
+    }
+    glossy::bake(&opaque, transfer, progress, report)
 }
