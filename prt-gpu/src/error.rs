@@ -50,6 +50,9 @@ pub enum Error {
         /// The order stored.
         stored: usize,
     },
+    /// Lobes, or how they are evaluated, make no sense; the text says what is accepted.
+    #[error("{0}")]
+    Lobes(String),
     /// An image has no pixels, too many, or an unsupported number of samples.
     #[error("{0}")]
     View(String),

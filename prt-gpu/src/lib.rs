@@ -55,29 +55,43 @@
 //! - \[SKS02\] P.-P. Sloan, J. Kautz, J. Snyder, "Precomputed radiance transfer for real-time rendering in dynamic, low-frequency
 //!   lighting environments", ACM Transactions on Graphics 21(3) (SIGGRAPH), 2002, <https://doi.org/10.1145/566654.566612>
 
+mod angle;
 mod assemble;
 mod buffers;
 pub mod cpu;
 mod device;
 mod error;
+mod frame;
 mod layout;
+mod lobe_surface;
+mod lobes;
 mod pass;
 mod renderer;
 mod shaders;
+mod skin;
 mod surface;
+mod table;
 mod target;
+mod textured_surface;
 mod tone;
 mod triangle;
 mod view;
+mod view_map;
 
 pub use device::Gpu;
 pub use error::Error;
+pub use lobe_surface::LobeSurface;
+pub use lobes::{LobeShape, Lobes};
 pub use pass::{Background, PresentOptions, Presenter, ShadingLimits};
 pub use renderer::SurfaceRenderer;
+pub use skin::{PoseFrames, Skin};
 pub use surface::Surface;
+pub use table::{Evaluation, LobeTable};
 pub use target::Target;
+pub use textured_surface::{LobeSampling, LobeTexture, TexturedSurface};
 pub use tone::tone_map;
 pub use view::{Frame, View};
+pub use view_map::ViewMap;
 /// The version of wgpu in whose types this crate speaks.
 pub use wgpu;
 

@@ -121,7 +121,7 @@ pub(crate) fn check_length(
     }
 }
 
-fn all_finite(values: &[f32]) -> bool {
+pub(crate) fn all_finite(values: &[f32]) -> bool {
     // No early exit, so that the loop is vectorised.
     values.iter().fold(true, |finite, x| finite & x.is_finite())
 }

@@ -37,6 +37,13 @@ pub(crate) fn perspective_weights(weights: [f32; 3], inverse_w: [f32; 3]) -> [f3
     shares.map(|share| share / sum)
 }
 
+/// As [`perspective_weights`], with the same bits on every machine.
+pub(crate) fn exact_perspective_weights(weights: [f32; 3], inverse_w: [f32; 3]) -> [f32; 3] {
+    let shares: [f32; 3] = std::array::from_fn(|k| weights[k] * inverse_w[k]);
+    let r = reciprocal((shares[0] + shares[1]) + shares[2]);
+    shares.map(|share| share * r)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -28,50 +28,105 @@ pub fn rasterize(positions: &[[f32; 3]], triangles: &[[u32; 3]], colors: &[[f32;
     if let Err(error) = check_triangles(triangles, positions.len()).and_then(|()| view.check()) {
         panic!("{error}");
     }
-    let scene = Scene { assembly: assemble(positions, triangles, view), colors };
-    draw(&scene, view)
+    draw(assemble(positions, triangles, view), &VertexColors(colors), view)
 }
 
-/// What is drawn: triangles on the screen and the colours of the mesh's vertices.
+/// Draws what [`assemble`] made, in the colours of a paint.
+pub(super) fn draw<P: Paint>(assembly: Assembly, paint: &P, view: &View) -> Frame {
+    draw_scene(&Scene { assembly, paint }, view)
+}
+
+/// The radiance of a surface at a point of a triangle.
+pub(super) trait Paint: Sync {
+    /// Room for intermediate results, one per task.
+    type Scratch: Default;
+
+    fn radiance(&self, scratch: &mut Self::Scratch, point: &Point) -> [f32; 3];
+}
+
+/// A point of a triangle that is seen from the front.
 #[derive(Debug)]
-struct Scene<'a> {
-    assembly: Assembly,
-    colors: &'a [[f32; 3]],
+pub(super) struct Point {
+    pub(super) corners: [Corner; 3],
+    /// Shares of the corners, linear on the screen.
+    pub(super) screen: [f32; 3],
+    /// `1/w` of the corners.
+    pub(super) inverse_w: [f32; 3],
 }
 
-impl Scene<'_> {
+/// A corner of a triangle on the screen.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Corner {
+    /// A vertex of the mesh.
+    Vertex(u32),
+    /// Made by clipping.
+    Mixture(ClipVertex),
+}
+
+/// Colours of vertices, interpolated with perspective.
+#[derive(Debug)]
+struct VertexColors<'a>(&'a [[f32; 3]]);
+
+impl Paint for VertexColors<'_> {
+    type Scratch = ();
+
+    fn radiance(&self, (): &mut (), point: &Point) -> [f32; 3] {
+        let weights = triangle::perspective_weights(point.screen, point.inverse_w);
+        blend(weights, point.corners.map(|corner| corner.value(|v| self.0[v])))
+    }
+}
+
+impl Corner {
+    /// What the vertices have, for a corner.
+    pub(super) fn value<const N: usize>(&self, of_vertex: impl Fn(usize) -> [f32; N]) -> [f32; N] {
+        match self {
+            Self::Vertex(v) => of_vertex(*v as usize),
+            Self::Mixture(clip) => blend(clip.weight, clip.source.map(|v| of_vertex(v as usize))),
+        }
+    }
+}
+
+/// What is drawn: triangles on the screen and how they look.
+#[derive(Debug)]
+struct Scene<'a, P> {
+    assembly: Assembly,
+    paint: &'a P,
+}
+
+impl<P: Paint> Scene<'_, P> {
     fn corners(&self, triangle: u32) -> [ScreenVertex; 3] {
         self.assembly.triangles[triangle as usize].map(|v| self.assembly.vertices[v as usize])
     }
 
-    fn color(&self, vertex: u32) -> [f32; 3] {
-        match self.colors.get(vertex as usize) {
-            Some(color) => *color,
-            None => self.clipped_color(&self.assembly.clips[vertex as usize - self.colors.len()]),
+    fn corner(&self, vertex: u32) -> Corner {
+        match (vertex as usize).checked_sub(self.assembly.vertices.len() - self.assembly.clips.len()) {
+            None => Corner::Vertex(vertex),
+            Some(clip) => Corner::Mixture(self.assembly.clips[clip]),
         }
     }
 
-    fn clipped_color(&self, clip: &ClipVertex) -> [f32; 3] {
-        blend(clip.weight, clip.source.map(|v| self.colors[v as usize]))
-    }
-
     /// Radiance of a triangle at a sample.
-    fn radiance(&self, triangle: u32, sample: [u32; 2]) -> [f32; 3] {
+    fn radiance(&self, scratch: &mut P::Scratch, triangle: u32, sample: [u32; 2]) -> [f32; 3] {
         if triangle as usize >= self.assembly.front_count {
             return [0.0; 3];
         }
         let corners = self.corners(triangle);
         let edges = Edges::new(corners, sample).values.map(|e| e as f32);
-        let weights = triangle::perspective_weights(triangle::screen_weights(edges), corners.map(|c| c.inverse_w));
-        blend(weights, self.assembly.triangles[triangle as usize].map(|v| self.color(v)))
+        let point = Point {
+            corners: self.assembly.triangles[triangle as usize].map(|v| self.corner(v)),
+            screen: triangle::screen_weights(edges),
+            inverse_w: corners.map(|c| c.inverse_w),
+        };
+        self.paint.radiance(scratch, &point)
     }
 }
 
-fn blend(weight: [f32; 3], color: [[f32; 3]; 3]) -> [f32; 3] {
-    std::array::from_fn(|i| (weight[0] * color[0][i] + weight[1] * color[1][i]) + weight[2] * color[2][i])
+/// A mixture, with the roundings of the shaders' exact one.
+pub(super) fn blend<const N: usize>(weight: [f32; 3], value: [[f32; N]; 3]) -> [f32; N] {
+    std::array::from_fn(|i| (weight[0] * value[0][i] + weight[1] * value[1][i]) + weight[2] * value[2][i])
 }
 
-fn draw(scene: &Scene<'_>, view: &View) -> Frame {
+fn draw_scene<P: Paint>(scene: &Scene<'_, P>, view: &View) -> Frame {
     let (width, height) = (view.width as usize, view.height as usize);
     let mut frame = Frame { width, height, pixels: vec![[0.0; 4]; width * height], depth: vec![1.0; width * height] };
     let band_pixel_rows = (BAND_ROWS / view.samples) as usize;
@@ -79,19 +134,20 @@ fn draw(scene: &Scene<'_>, view: &View) -> Frame {
     let pixels = frame.pixels.par_chunks_mut(width * band_pixel_rows);
     let depths = frame.depth.par_chunks_mut(width * band_pixel_rows);
     let bands = pixels.zip(depths).zip(&bins).enumerate();
-    bands.for_each_init(Vec::new, |samples, (index, ((pixels, depth), triangles))| {
+    let scratch = || (Vec::new(), P::Scratch::default());
+    bands.for_each_init(scratch, |(samples, scratch), (index, ((pixels, depth), triangles))| {
         if !triangles.is_empty() {
             let rows = pixels.len() / width;
             let mut band = Band::new(samples, view, (index * band_pixel_rows) as u32, rows as u32);
             triangles.iter().for_each(|&triangle| band.draw(triangle, scene.corners(triangle)));
-            band.resolve(scene, pixels, depth);
+            band.resolve(scene, scratch, pixels, depth);
         }
     });
     frame
 }
 
 /// The triangles that touch each band of rows, in order.
-fn bin(scene: &Scene<'_>, view: &View, band_rows: u32) -> Vec<Vec<u32>> {
+fn bin<P: Paint>(scene: &Scene<'_, P>, view: &View, band_rows: u32) -> Vec<Vec<u32>> {
     let mut bins = vec![Vec::new(); view.sample_size()[1].div_ceil(band_rows) as usize];
     for triangle in 0..scene.assembly.triangles.len() as u32 {
         let rows = row_range(&scene.corners(triangle));
@@ -162,22 +218,34 @@ impl<'a> Band<'a> {
     }
 
     /// Averages the samples of every pixel.
-    fn resolve(&self, scene: &Scene<'_>, pixels: &mut [[f32; 4]], depths: &mut [f32]) {
+    fn resolve<P: Paint>(
+        &self,
+        scene: &Scene<'_, P>,
+        scratch: &mut P::Scratch,
+        pixels: &mut [[f32; 4]],
+        depths: &mut [f32],
+    ) {
         let width = self.view.width as usize;
         for (i, (pixel, depth)) in pixels.iter_mut().zip(depths).enumerate() {
-            (*pixel, *depth) = self.resolve_pixel(scene, (i % width) as u32, (i / width) as u32);
+            (*pixel, *depth) = self.resolve_pixel(scene, scratch, (i % width) as u32, (i / width) as u32);
         }
     }
 
     /// Mean radiance, coverage and smallest depth of the pixel in this column and row of the band.
-    fn resolve_pixel(&self, scene: &Scene<'_>, x: u32, y: u32) -> ([f32; 4], f32) {
+    fn resolve_pixel<P: Paint>(
+        &self,
+        scene: &Scene<'_, P>,
+        scratch: &mut P::Scratch,
+        x: u32,
+        y: u32,
+    ) -> ([f32; 4], f32) {
         let samples = self.view.samples;
         let mut sum = [0.0; 4];
         let mut nearest = 1.0_f32;
         for (row, column) in (0..samples).flat_map(|j| (0..samples).map(move |i| (y * samples + j, x * samples + i))) {
             let sample = self.samples[(row * self.width + column) as usize];
             if sample.triangle != NOTHING {
-                let [r, g, b] = scene.radiance(sample.triangle, [column, self.first_row + row]);
+                let [r, g, b] = scene.radiance(scratch, sample.triangle, [column, self.first_row + row]);
                 sum = std::array::from_fn(|k| sum[k] + [r, g, b, 1.0][k]);
                 nearest = nearest.min(sample.depth);
             }

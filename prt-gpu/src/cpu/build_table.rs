@@ -1,0 +1,75 @@
+use crate::LobeTable;
+use crate::table::TableLayout;
+use sh_core::{Basis, Order};
+
+/// Directions whose basis functions are evaluated at once.
+const CHUNK: usize = 256;
+
+/// Tabulates a light by bands: `ê_l(s) = Σ_m y_lm(s) e_lm` at the texel centres of a map in latitude and longitude.
+///
+/// - `light`: `[3, k²]` for the `order` of `k` bands
+/// - `first_band`: the first band that lobes describe, 1 or 2; those before are left out
+/// - `width`, `height`: even width of at least 2
+///
+/// Accuracy of a texel: rounding, 1e-6 of the light's length. Cost: `3 k²` multiply-adds and one evaluation of the basis per texel.
+///
+/// # Panics
+/// If the length of the light does not match, or a size is 0.
+///
+/// Source: \[SLS05\] eq. 24; the twin of `shaders/build_table.wgsl`.
+pub fn build_table(light: &[f32], order: Order, first_band: usize, width: usize, height: usize) -> LobeTable {
+    assert_eq!(light.len(), 3 * order.coeff_count(), "length of the light");
+    assert!(width > 0 && width % 2 == 0 && height > 0, "a table of {width} x {height}");
+    let layout = TableLayout { width, height, band_count: order.get().saturating_sub(first_band) };
+    let mut texels = vec![[0.0; 4]; layout.texel_count() * layout.band_count];
+    if layout.band_count > 0 {
+        let directions: Vec<[f32; 3]> = layout.directions().collect();
+        let (bands, mut basis) = (LightBands::new(light, order, first_band), Vec::new());
+        for (directions, texels) in directions.chunks(CHUNK).zip(texels.chunks_mut(CHUNK * layout.band_count)) {
+            bands.evaluate(directions, &mut basis, texels);
+        }
+    }
+    LobeTable { layout, texels }
+}
+
+/// A light, to be evaluated by bands at any directions.
+#[derive(Debug, Clone)]
+pub(super) struct LightBands {
+    basis: Basis<f32>,
+    first_band: usize,
+    /// `[k²]`, the three channels beside each other.
+    coeffs: Vec<[f32; 4]>,
+}
+
+impl LightBands {
+    pub(super) fn new(light: &[f32], order: Order, first_band: usize) -> Self {
+        Self { basis: Basis::new(order), first_band, coeffs: interleave(light, order) }
+    }
+
+    /// `out[d, l − first_band] = ê_l(directions[d])`; `y` is room for the basis functions.
+    pub(super) fn evaluate(&self, directions: &[[f32; 3]], y: &mut Vec<f32>, out: &mut [[f32; 4]]) {
+        let (order, count) = (self.basis.order(), self.coeffs.len());
+        y.resize(directions.len() * count, 0.0);
+        self.basis.eval_batch(directions, y);
+        let bands = order.get() - self.first_band;
+        for (y, out) in y.chunks_exact(count).zip(out.chunks_exact_mut(bands)) {
+            for ((_, range), out) in order.bands().skip(self.first_band).zip(out) {
+                *out = weighted_sum(&y[range.clone()], &self.coeffs[range]);
+            }
+        }
+    }
+}
+
+fn weighted_sum(weights: &[f32], values: &[[f32; 4]]) -> [f32; 4] {
+    let mut sum = [0.0; 4];
+    for (w, value) in weights.iter().zip(values) {
+        sum = std::array::from_fn(|c| sum[c] + w * value[c]);
+    }
+    sum
+}
+
+/// A light `[3, k²]` as `[k²]` of red, green, blue and 0.
+pub(crate) fn interleave(light: &[f32], order: Order) -> Vec<[f32; 4]> {
+    let count = order.coeff_count();
+    (0..count).map(|i| [light[i], light[count + i], light[2 * count + i], 0.0]).collect()
+}
