@@ -6,12 +6,15 @@ mod direct;
 mod field;
 mod glossy;
 mod image;
+mod interface;
 mod medium;
 mod opaque;
 mod options;
 mod pattern;
 mod surface;
 mod transfer;
+mod translucent;
+mod walk;
 
 use std::time::{Duration, Instant};
 
@@ -91,7 +94,10 @@ pub fn bake_patch(
     let start = Instant::now();
     let mut transfer = PatchTransfer::zero(field, options);
     let mut report = PatchReport::default();
-    bake_opaque(field, options, &mut transfer, progress, &mut report)?;
+    match options.scattering {
+        Some(_) => translucent::bake(field, options, &mut transfer, progress, &mut report)?,
+        None => bake_opaque(field, options, &mut transfer, progress, &mut report)?,
+    }
     report.trace = start.elapsed();
     Ok((transfer, report))
 }

@@ -92,24 +92,31 @@ impl Surface {
     /// Where a texel stands.
     pub(super) fn texel(&self, texel: usize, height: f32) -> DVec3 {
         let (column, row) = (texel % self.columns, texel / self.columns);
-        DVec3::new(column as f64, row as f64, self.from_height(f64::from(height)))
+        DVec3::new(column as f64, row as f64, self.lattice_z(f64::from(height)))
     }
 
     /// A height of the field, in units of the tile's width, in this frame.
-    pub(super) fn from_height(&self, height: f64) -> f64 {
+    pub(super) fn lattice_z(&self, height: f64) -> f64 {
         (height - self.lowest) * self.columns as f64
     }
 
-    /// The point of the surface above or below (x, y), and its height.
-    pub(super) fn point_at(&self, x: f64, y: f64) -> (SurfacePoint, f64) {
-        let corner = DVec2::new(x.floor(), y.floor());
-        let local = DVec2::new(x, y) - corner;
+    /// A point of the surface in the square of a texel, `offset` from the texel in x and y.
+    pub(super) fn point_of_texel(&self, texel: usize, offset: [f64; 2]) -> (DVec3, SurfacePoint) {
+        let center = DVec2::new((texel % self.columns) as f64, (texel / self.columns) as f64);
+        let at = center + DVec2::from_array(offset);
+        let corner = at.floor();
+        let local = at - corner;
         let column = (corner.x as i64).rem_euclid(self.columns as i64) as usize;
         let row = (corner.y as i64).rem_euclid(self.rows as i64) as usize;
-        let square = &self.squares[row * self.columns + column];
-        let half = square.half(local);
-        let plane = square.planes[half];
-        (square.point(row * self.columns + column, half, local), plane.base + plane.slope.dot(local))
+        let number = row * self.columns + column;
+        let half = self.squares[number].half(local);
+        let plane = self.squares[number].planes[half];
+        (at.extend(plane.base + plane.slope.dot(local)), self.squares[number].point(number, half, local))
+    }
+
+    /// Sides of a texel in the tile's width.
+    pub(super) fn width(&self) -> f64 {
+        self.columns as f64
     }
 
     /// The same point of the tile nearest to the origin.
