@@ -112,6 +112,11 @@ impl Skin {
         Ok(())
     }
 
+    /// Whether the rest pose turns a vertex' surroundings inside out.
+    pub(crate) fn is_mirrored(&self, vertex: usize) -> bool {
+        DMat3::from_cols_array_2d(&self.bind_from_rest[vertex].map(|column| column.map(f64::from))).determinant() < 0.0
+    }
+
     /// The skin of other vertices that rest where some of these do, with normals of their own.
     pub(crate) fn gather(&self, vertices: &[u32], rest_normals: &[[f32; 3]]) -> Self {
         let per_vertex = self.source.bones_per_vertex;
