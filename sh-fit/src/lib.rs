@@ -10,7 +10,13 @@ mod linear_lobe;
 mod lobes;
 mod neighbours;
 mod options;
+mod parallel;
+mod problem;
+mod random;
 mod report;
+mod search;
+mod solver;
+mod start;
 
 pub use error::Error;
 pub use fit::{LobeFit, fit_lobes, fit_lobes_many};
