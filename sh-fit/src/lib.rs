@@ -15,7 +15,13 @@ mod lobes;
 mod membrane;
 mod neighbours;
 mod options;
+mod parallel;
+mod problem;
+mod random;
 mod report;
+mod search;
+mod solver;
+mod start;
 
 pub use brdf::{
     Brdf, BrdfFactors, CookTorrance, FactorOptions, Fresnel, Ggx, Lambert, Phong, TabulatedBrdf, factor_brdf,

@@ -1,5 +1,7 @@
 //! What a fit says about itself.
 
+use crate::LobeSet;
+
 /// Why a minimisation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -86,4 +88,76 @@ pub struct FitReport {
     pub not_finite: Vec<usize>,
     /// Wall clock time.
     pub seconds: f64,
+}
+
+impl FitReport {
+    /// Compares lobes with what they were fitted to. What was done to find them is left to the caller to fill in.
+    ///
+    /// - `targets`: `[P, C, n²]`
+    ///
+    /// # Panics
+    /// If `targets` is not as large as the set.
+    #[must_use]
+    pub fn measure(set: &LobeSet, targets: &[f32]) -> Self {
+        let (points, count) = (set.point_count(), set.order.coeff_count());
+        let size = set.channels * count;
+        assert!(targets.len() == points * size, "targets has {} elements, it needs {}", targets.len(), points * size);
+        let mut bands = vec![0.0; set.order.get()];
+        let (mut errors, mut signal) = (Vec::with_capacity(points), 0.0);
+        let (mut not_finite, mut largest_coefficient) = (Vec::new(), 0.0_f64);
+        let mut approximation = vec![0.0; count];
+        for (point, target) in targets.chunks_exact(size).enumerate() {
+            if target.iter().any(|t| !t.is_finite()) {
+                not_finite.push(point);
+                continue;
+            }
+            let length: f64 = target.iter().map(|&t| f64::from(t).powi(2)).sum();
+            let mut error = 0.0;
+            for (channel, target) in target.chunks_exact(count).enumerate() {
+                set.reconstruct(point, channel, &mut approximation);
+                for (l, band) in set.order.bands() {
+                    let pairs = target[band.clone()].iter().zip(&approximation[band]);
+                    let squared: f64 = pairs.map(|(&t, &a)| (f64::from(t) - f64::from(a)).powi(2)).sum();
+                    bands[l] += squared;
+                    error += squared;
+                }
+                let largest = set.coeffs_of(point, channel).iter().fold(0.0_f32, |max, g| max.max(g.abs()));
+                if length > 0.0 {
+                    largest_coefficient = largest_coefficient.max(f64::from(largest) / length.sqrt());
+                }
+            }
+            signal += length;
+            errors.push((error, point));
+        }
+        let relative = |squared: f64| if signal > 0.0 { (squared / signal).sqrt() } else { 0.0 };
+        let unit = signal / errors.len().max(1) as f64;
+        Self {
+            points,
+            lobes: set.lobe_count,
+            relative_error: relative(bands.iter().sum()),
+            band_errors: bands.iter().map(|&band| relative(band)).collect(),
+            distribution: Distribution::new(errors, unit),
+            lobes_used: vec![0; set.lobe_count + 1],
+            largest_coefficient,
+            starts: 0,
+            iterations: 0,
+            evaluations: 0,
+            stops: StopCounts::default(),
+            not_finite,
+            seconds: 0.0,
+        }
+    }
+}
+
+impl Distribution {
+    /// From squared errors with their points, and the square of what they are relative to.
+    fn new(mut errors: Vec<(f64, usize)>, unit: f64) -> Self {
+        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let Some(&(_, worst_point)) = errors.last() else { return Self::default() };
+        let quantile = |part: f64| {
+            let squared = errors[((errors.len() - 1) as f64 * part).round() as usize].0;
+            if unit > 0.0 { (squared / unit).sqrt() } else { 0.0 }
+        };
+        Self { median: quantile(0.5), p90: quantile(0.9), p99: quantile(0.99), max: quantile(1.0), worst_point }
+    }
 }

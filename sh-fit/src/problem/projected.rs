@@ -1,0 +1,374 @@
+//! Variable projection: the error as a function of the axes alone.
+//!
+//! With the axes fixed, bands decouple, and the coefficients of each follow by least squares: `(G + μD) g = b` with the Gram
+//! matrix `G_jk = (2l+1)/(4π) P_l(s_j·s_k)`, its diagonal `D`, and `b_j = f_l(s_j) = Σ_m f_lm y_lm(s_j)`. The error that is left
+//! is `ψ = |f|² − Σ b·g`, and half of it has closed derivatives with respect to the axes. With `r = f − Σ g_k y(s_k)`:
+//!
+//! ```text
+//! gradient_ja   = −g_j ∂_a y_j·r
+//! Hessian_ja,kb = g_j g_k ∂_a y_j·∂_b y_k − δ_jk g_j ∂_a∂_b y_j·r − (M (G + μD)⁻¹ Mᵀ)_ja,kb
+//! M_ja,k        = g_j ∂_a y_j·y_k − δ_jk ∂_a y_j·r
+//! ```
+//!
+//! summed over bands and channels, where `y_j·y_k` and its derivatives are Legendre polynomials of `s_j·s_k`, and those of
+//! `y_j·f` are values of `f` rotated by small angles.
+
+use std::f64::consts::PI;
+
+use sh_core::eval;
+
+use super::dot3;
+use super::legendre::legendre;
+use super::signal::{JET, SECOND, Signal};
+use crate::solver::Landscape;
+use crate::solver::cholesky::{decompose, solve_lower, solve_upper};
+
+/// Value, first derivatives along two tangents, second derivatives 11, 12, 22.
+type Local = [f64; 6];
+
+/// The axes at one place, and what was computed there.
+#[derive(Debug, Clone, Default)]
+struct State {
+    axes: Vec<[f64; 3]>,
+    /// Two tangents per axis.
+    frames: Vec<[[f64; 3]; 2]>,
+    /// `[N, C, n]`: the signal at each axis.
+    local: Vec<Local>,
+    /// `[N, N, n]`, for `j > k`: Legendre polynomials of `s_j·s_k`.
+    pairs: Vec<[f64; 3]>,
+    /// `[n, N, N]`: lower triangles of the Cholesky factors of the Gram matrices over `(2l+1)/(4π)`.
+    factors: Vec<f64>,
+    /// `[n, C, N]`: lobe coefficients.
+    lobes: Vec<f64>,
+    /// `ψ`.
+    value: f64,
+}
+
+/// The error of the best lobes about axes, as a function of the axes.
+#[derive(Debug)]
+pub(crate) struct Projected {
+    signal: Signal,
+    /// `μ`.
+    ridge: f64,
+    here: State,
+    there: State,
+    scratch: Scratch,
+    evaluations: usize,
+}
+
+#[derive(Debug, Default)]
+struct Scratch {
+    basis: Vec<f64>,
+    sums: Vec<[f64; JET]>,
+    /// `[N, 2, N]`: `∂_a y_j·y_k`.
+    first: Vec<f64>,
+    /// `[2N, N]`: `M`, and then `M L⁻ᵀ`.
+    mixed: Vec<f64>,
+}
+
+impl Projected {
+    pub(crate) fn new(signal: Signal, ridge: f64) -> Self {
+        let (count, sums) = (signal.order.coeff_count(), signal.channels * signal.order.get());
+        let scratch = Scratch { basis: vec![0.0; count], sums: vec![[0.0; JET]; sums], ..Scratch::default() };
+        Self { signal, ridge, here: State::default(), there: State::default(), scratch, evaluations: 0 }
+    }
+
+    pub(crate) fn signal(&self) -> &Signal {
+        &self.signal
+    }
+
+    pub(crate) fn signal_mut(&mut self) -> &mut Signal {
+        &mut self.signal
+    }
+
+    /// Evaluations since it was asked last.
+    pub(crate) fn take_evaluations(&mut self) -> usize {
+        std::mem::take(&mut self.evaluations)
+    }
+
+    pub(crate) fn axes(&self) -> &[[f64; 3]] {
+        &self.here.axes
+    }
+
+    /// The coefficients of the lobes about the current axes, of the signal at unit length.
+    pub(crate) fn lobe(&self, band: usize, channel: usize, lobe: usize) -> f64 {
+        let n = self.here.axes.len();
+        self.here.lobes[(band * self.signal.channels + channel) * n + lobe]
+    }
+
+    /// The squared error without the penalty on coefficients.
+    pub(crate) fn unpenalised(&self) -> f64 {
+        let per_band = self.signal.channels * self.here.axes.len();
+        let squares = |l: usize| self.here.lobes[l * per_band..][..per_band].iter().map(|g| g * g).sum::<f64>();
+        let bands = self.signal.first_band..self.signal.order.get();
+        self.here.value - self.ridge * bands.map(|l| lobe_norm(l) * squares(l)).sum::<f64>()
+    }
+
+    /// Removes most of what the penalty takes from the coefficients, by one step of refinement: `g += (G + μD)⁻¹ (b − G g)`,
+    /// where `b − G g = μ D g`. What was too small by a part `ε` is too small by `ε²` then, and no coefficient is doubled.
+    pub(crate) fn refine(&mut self) {
+        let (n, channels) = (self.here.axes.len(), self.signal.channels);
+        let mut rest = vec![0.0; n];
+        for l in self.signal.first_band..self.signal.order.get() {
+            let factor = &self.here.factors[l * n * n..][..n * n];
+            for g in self.here.lobes[l * channels * n..][..channels * n].chunks_exact_mut(n.max(1)) {
+                rest.iter_mut().zip(&*g).for_each(|(rest, g)| *rest = self.ridge * g);
+                solve_lower(factor, n, &mut rest);
+                solve_upper(factor, n, &mut rest);
+                g.iter_mut().zip(&rest).for_each(|(g, rest)| *g += rest);
+            }
+        }
+    }
+
+    /// Goes to other axes, of any number.
+    pub(crate) fn set_axes(&mut self, axes: &[[f64; 3]]) {
+        self.there.axes.clear();
+        self.there.axes.extend_from_slice(axes);
+        self.evaluate_there();
+        std::mem::swap(&mut self.here, &mut self.there);
+    }
+
+    /// What the lobes leave of the signal at unit length: `[C, n²]`, 0 in the explicit bands. `lobe` is room for `[n²]`.
+    pub(crate) fn residual(&self, residual: &mut Vec<f64>, lobe: &mut Vec<f64>) {
+        let (order, count) = (self.signal.order, self.signal.order.coeff_count());
+        residual.clear();
+        residual.extend_from_slice(self.signal.target());
+        lobe.resize(count, 0.0);
+        let first = self.signal.first_band;
+        residual.chunks_exact_mut(count).for_each(|residual| residual[..(first * first).min(count)].fill(0.0));
+        for (j, &axis) in self.here.axes.iter().enumerate() {
+            eval(order, axis, lobe);
+            for (c, residual) in residual.chunks_exact_mut(count).enumerate() {
+                for (l, band) in order.bands().skip(first) {
+                    let g = self.lobe(l, c, j);
+                    residual[band.clone()].iter_mut().zip(&lobe[band]).for_each(|(r, y)| *r -= g * y);
+                }
+            }
+        }
+    }
+
+    fn evaluate_there(&mut self) {
+        self.evaluations += 1;
+        let Self { signal, ridge, there, scratch, .. } = self;
+        there.resize(signal);
+        there.measure(signal, scratch);
+        // Loops of known length are unrolled: two to three times faster than those of unknown length.
+        match there.axes.len() {
+            1 => there.project::<1>(signal, *ridge, 1),
+            2 => there.project::<2>(signal, *ridge, 2),
+            3 => there.project::<3>(signal, *ridge, 3),
+            4 => there.project::<4>(signal, *ridge, 4),
+            n => there.project::<0>(signal, *ridge, n),
+        }
+    }
+}
+
+impl State {
+    fn resize(&mut self, signal: &Signal) {
+        let (lobes, bands, channels) = (self.axes.len(), signal.order.get(), signal.channels);
+        self.frames.resize(lobes, [[0.0; 3]; 2]);
+        self.local.resize(lobes * channels * bands, [0.0; 6]);
+        self.pairs.resize(lobes * lobes * bands, [0.0; 3]);
+        self.factors.resize(bands * lobes * lobes, 0.0);
+        self.lobes.resize(bands * channels * lobes, 0.0);
+    }
+
+    /// The signal and its derivatives at each axis, and the polynomials of each pair.
+    fn measure(&mut self, signal: &Signal, scratch: &mut Scratch) {
+        let (lobes, bands) = (self.axes.len(), signal.order.get());
+        for j in 0..lobes {
+            let axis = self.axes[j];
+            self.frames[j] = tangents(axis);
+            signal.jets_at(axis, &mut scratch.basis, &mut scratch.sums);
+            let local = &mut self.local[j * signal.channels * bands..][..signal.channels * bands];
+            local.iter_mut().zip(&scratch.sums).for_each(|(local, jet)| *local = along(self.frames[j], jet));
+            for k in 0..j {
+                let t = dot3(axis, self.axes[k]).clamp(-1.0, 1.0);
+                legendre(t, &mut self.pairs[(j * lobes + k) * bands..][..bands]);
+            }
+        }
+    }
+
+    /// The coefficients and the error. `FIXED` is the number of lobes, or 0 if it is known at run time only.
+    #[inline(always)]
+    fn project<const FIXED: usize>(&mut self, signal: &Signal, ridge: f64, lobes: usize) {
+        let n = if FIXED > 0 { FIXED } else { lobes };
+        let (bands, channels) = (signal.order.get(), signal.channels);
+        self.value = signal.fitted();
+        for l in signal.first_band..bands {
+            let factor = &mut self.factors[l * n * n..][..n * n];
+            for j in 0..n {
+                (0..j).for_each(|k| factor[j * n + k] = self.pairs[(j * n + k) * bands + l][0]);
+                factor[j * n + j] = 1.0 + ridge;
+            }
+            decompose(factor, n);
+            let norm = lobe_norm(l);
+            for c in 0..channels {
+                let g = &mut self.lobes[(l * channels + c) * n..][..n];
+                (0..n).for_each(|j| g[j] = self.local[(j * channels + c) * bands + l][0]);
+                solve_lower(factor, n, g);
+                self.value -= g.iter().map(|g| g * g).sum::<f64>() / norm;
+                solve_upper(factor, n, g);
+                g.iter_mut().for_each(|g| *g /= norm);
+            }
+        }
+    }
+}
+
+/// `(2l+1)/(4π)`: squared length of `y_l(s)`.
+pub(crate) fn lobe_norm(l: usize) -> f64 {
+    (2 * l + 1) as f64 / (4.0 * PI)
+}
+
+/// Two tangents `e_1, e_2` with `e_1 × e_2 = s`, without a branch that a small change of `s` would cross but at `s_z = 0`.
+///
+/// Source: Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin, *Building an Orthonormal Basis, Revisited*, JCGT 6(1), 2017.
+#[inline(always)]
+fn tangents([x, y, z]: [f64; 3]) -> [[f64; 3]; 2] {
+    let sign = 1.0_f64.copysign(z);
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
+}
+
+/// The derivatives along the tangents, from those along rotations about the coordinate axes: the rotation about `s × e_1 = e_2`
+/// moves `s` along `e_1`, that about `s × e_2 = −e_1` along `e_2`.
+#[inline(always)]
+fn along([e1, e2]: [[f64; 3]; 2], jet: &[f64; JET]) -> Local {
+    let first = [jet[1], jet[2], jet[3]];
+    let rows = SECOND.map(|row| row.map(|i| jet[i]));
+    let times = |v: [f64; 3]| [dot3(rows[0], v), dot3(rows[1], v), dot3(rows[2], v)];
+    let (w1, w2) = (times(e1), times(e2));
+    [jet[0], dot3(e2, first), -dot3(e1, first), dot3(e2, w2), -dot3(e2, w1), dot3(e1, w1)]
+}
+
+impl Landscape for Projected {
+    fn dimension(&self) -> usize {
+        2 * self.here.axes.len()
+    }
+
+    fn value(&self) -> f64 {
+        self.here.value
+    }
+
+    fn derivatives(&mut self, gradient: &mut [f64], hessian: &mut [f64]) {
+        let Self { signal, here, scratch, .. } = self;
+        let n = here.axes.len();
+        scratch.first.resize(2 * n * n, 0.0);
+        scratch.mixed.resize(2 * n * n, 0.0);
+        gradient.fill(0.0);
+        hessian.fill(0.0);
+        match n {
+            1 => here.differentiate::<1>(signal, scratch, gradient, hessian, 1),
+            2 => here.differentiate::<2>(signal, scratch, gradient, hessian, 2),
+            3 => here.differentiate::<3>(signal, scratch, gradient, hessian, 3),
+            4 => here.differentiate::<4>(signal, scratch, gradient, hessian, 4),
+            _ => here.differentiate::<0>(signal, scratch, gradient, hessian, n),
+        }
+        for p in 0..2 * n {
+            (0..p).for_each(|q| hessian[q * 2 * n + p] = hessian[p * 2 * n + q]);
+        }
+    }
+
+    fn try_step(&mut self, step: &[f64]) -> f64 {
+        let Self { here, there, .. } = self;
+        there.axes.clear();
+        for ((axis, frame), step) in here.axes.iter().zip(&here.frames).zip(step.chunks_exact(2)) {
+            let moved = [0, 1, 2].map(|a| axis[a] + step[0] * frame[0][a] + step[1] * frame[1][a]);
+            let length = dot3(moved, moved).sqrt();
+            there.axes.push(moved.map(|x| x / length));
+        }
+        self.evaluate_there();
+        self.there.value
+    }
+
+    fn accept(&mut self) {
+        std::mem::swap(&mut self.here, &mut self.there);
+    }
+}
+
+impl State {
+    /// Adds the gradient and the lower triangle of the Hessian of half the error.
+    #[inline(always)]
+    fn differentiate<const FIXED: usize>(
+        &self,
+        signal: &Signal,
+        scratch: &mut Scratch,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+        lobes: usize,
+    ) {
+        let n = if FIXED > 0 { FIXED } else { lobes };
+        let (bands, channels, size) = (signal.order.get(), signal.channels, 2 * n);
+        let (gradient, hessian) = (&mut gradient[..size], &mut hessian[..size * size]);
+        let (first, mixed) = (&mut scratch.first[..size * n], &mut scratch.mixed[..size * n]);
+        for l in signal.first_band..bands {
+            let norm = lobe_norm(l);
+            let slope_at_one = norm * (l * (l + 1)) as f64 * 0.5;
+            let factor = &self.factors[l * n * n..][..n * n];
+            let pair = |j: usize, k: usize| {
+                let (j, k) = if j > k { (j, k) } else { (k, j) };
+                self.pairs[(j * n + k) * bands + l]
+            };
+            for j in 0..n {
+                for a in 0..2 {
+                    for k in 0..n {
+                        first[(2 * j + a) * n + k] =
+                            if j == k { 0.0 } else { norm * pair(j, k)[1] * dot3(self.frames[j][a], self.axes[k]) };
+                    }
+                }
+            }
+            for c in 0..channels {
+                let g = &self.lobes[(l * channels + c) * n..][..n];
+                for j in 0..n {
+                    let local = &self.local[(j * channels + c) * bands + l];
+                    // ∂_a y_j·r and ∂_a∂_b y_j·r
+                    let mut slope = [local[1], local[2]];
+                    let mut curve = [local[3] + g[j] * slope_at_one, local[4], local[5] + g[j] * slope_at_one];
+                    for k in (0..n).filter(|&k| k != j) {
+                        let [_, p1, p2] = pair(j, k);
+                        let t = dot3(self.axes[j], self.axes[k]);
+                        let [d1, d2] = self.frames[j].map(|e| dot3(e, self.axes[k]));
+                        let g = g[k] * norm;
+                        slope[0] -= g * p1 * d1;
+                        slope[1] -= g * p1 * d2;
+                        curve[0] -= g * (p2 * d1 * d1 - t * p1);
+                        curve[1] -= g * p2 * d1 * d2;
+                        curve[2] -= g * (p2 * d2 * d2 - t * p1);
+                    }
+                    let row = 2 * j;
+                    for a in 0..2 {
+                        gradient[row + a] -= g[j] * slope[a];
+                        for k in 0..n {
+                            mixed[(row + a) * n + k] = g[j] * first[(row + a) * n + k];
+                        }
+                        mixed[(row + a) * n + j] -= slope[a];
+                    }
+                    let own = g[j] * g[j] * slope_at_one;
+                    hessian[row * size + row] += own - g[j] * curve[0];
+                    hessian[(row + 1) * size + row] -= g[j] * curve[1];
+                    hessian[(row + 1) * size + row + 1] += own - g[j] * curve[2];
+                    for k in 0..j {
+                        let [_, p1, p2] = pair(j, k);
+                        let weight = g[j] * g[k] * norm;
+                        for a in 0..2 {
+                            let (ej, d) = (self.frames[j][a], dot3(self.frames[j][a], self.axes[k]));
+                            for b in 0..2 {
+                                let ek = self.frames[k][b];
+                                hessian[(row + a) * size + 2 * k + b] +=
+                                    weight * (p2 * d * dot3(ek, self.axes[j]) + p1 * dot3(ej, ek));
+                            }
+                        }
+                    }
+                }
+                for p in 0..size {
+                    solve_lower(factor, n, &mut mixed[p * n..][..n]);
+                    for q in 0..=p {
+                        let dot: f64 = (0..n).map(|k| mixed[p * n + k] * mixed[q * n + k]).sum();
+                        hessian[p * size + q] -= dot / norm;
+                    }
+                }
+            }
+        }
+    }
+}
