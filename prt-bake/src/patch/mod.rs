@@ -122,3 +122,6 @@ fn bake_opaque(
     }
     glossy::bake(&opaque, transfer, progress, report)
 }
+
+#[cfg(test)]
+mod tests;
