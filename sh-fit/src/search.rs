@@ -1,10 +1,12 @@
 //! From starts to the best axes of one vector.
 
-use crate::problem::Projected;
+use sh_core::BasisGradient;
+
+use crate::problem::{Full, Projected};
 use crate::random::Random;
-use crate::solver::{Landscape, Limits, Newton, Outcome};
+use crate::solver::{Landscape, Limits, Newton, Outcome, conjugate_gradient, quasi_newton};
 use crate::start::{Directions, Gains};
-use crate::{FitOptions, Stop};
+use crate::{FitOptions, Method, Stop};
 
 /// A lobe that is added to others is moved, with them, until this decrease is expected of the next iteration: what follows
 /// from the next lobe is larger.
@@ -57,6 +59,8 @@ pub(crate) struct Search<'a> {
     directions: &'a Directions,
     problem: Projected,
     newton: Newton,
+    /// For the methods that need gradients of the basis.
+    tables: BasisGradient<f64>,
     gains: Gains,
     axes: Vec<[f64; 3]>,
     counts: Counts,
@@ -65,7 +69,8 @@ pub(crate) struct Search<'a> {
 impl<'a> Search<'a> {
     pub(crate) fn new(options: &'a FitOptions, directions: &'a Directions, problem: Projected) -> Self {
         let (newton, gains) = (Newton::default(), Gains::default());
-        Self { options, directions, problem, newton, gains, axes: Vec::new(), counts: Counts::default() }
+        let tables = BasisGradient::new(problem.signal().order());
+        Self { options, directions, problem, newton, tables, gains, axes: Vec::new(), counts: Counts::default() }
     }
 
     pub(crate) fn problem_mut(&mut self) -> &mut Projected {
@@ -150,8 +155,27 @@ impl<'a> Search<'a> {
     }
 
     fn minimise(&mut self, limits: &Limits) -> Outcome {
-        let outcome = self.newton.minimise(&mut self.problem, limits);
+        let outcome = match self.options.method {
+            Method::VariableProjection => self.newton.minimise(&mut self.problem, limits),
+            Method::QuasiNewton => self.minimise_all(|full, x| quasi_newton(full, x, limits)),
+            Method::ConjugateGradient => self.minimise_all(|full, x| conjugate_gradient(full, x, limits)),
+        };
         self.counts.iterations += outcome.iterations;
+        outcome
+    }
+
+    /// Moves axes and coefficients at once. They start from the best coefficients for the axes as they are, which the paper
+    /// finds by freezing the axes first.
+    fn minimise_all(&mut self, minimise: impl Fn(&Full<'_>, &[f64]) -> (Vec<f64>, Outcome, usize)) -> Outcome {
+        let full = Full::new(self.problem.signal(), self.options.regularisation, &self.tables);
+        let start = full.parameters(&self.problem);
+        if start.is_empty() {
+            return Outcome { stop: Stop::Converged, iterations: 0 };
+        }
+        let (found, outcome, evaluations) = minimise(&full, &start);
+        let axes = full.axes(&found);
+        self.counts.evaluations += evaluations;
+        self.problem.set_axes(&axes);
         outcome
     }
 

@@ -76,6 +76,11 @@ impl Signal {
         }
     }
 
+    /// Number of bands.
+    pub(crate) fn order(&self) -> Order {
+        self.order
+    }
+
     /// The first band that lobes are fitted to.
     pub(crate) fn first_band(&self) -> usize {
         self.first_band

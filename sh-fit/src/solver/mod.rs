@@ -1,8 +1,10 @@
 //! The minimisers. They know nothing about harmonics.
 
 pub(crate) mod cholesky;
+mod general;
 mod newton;
 
+pub(crate) use general::{Smooth, conjugate_gradient, quasi_newton};
 pub(crate) use newton::{Limits, Newton, Outcome};
 
 /// A function that can be walked on. Steps are taken in coordinates that begin at 0 at the current place.
