@@ -264,10 +264,10 @@ fn view_factor(place: ViewPlace, row: u32) -> f32 {
 }
 
 // Radiance of a point without its albedo.
-fn transferred(explicit: Taps, taps: Taps, frame: mat3x3<f32>, view: ViewPlace) -> vec3<f32> {
+fn transferred(explicit_taps: Taps, taps: Taps, frame: mat3x3<f32>, view: ViewPlace) -> vec3<f32> {
     var sum = vec3(0.0);
     for (var row = 0u; row < lobe_params.rows; row++) {
-        sum += view_factor(view, row) * (explicit_radiance(explicit, row, frame) + lobe_radiance(taps, row, frame));
+        sum += view_factor(view, row) * (explicit_radiance(explicit_taps, row, frame) + lobe_radiance(taps, row, frame));
     }
     return sum;
 }
