@@ -1,6 +1,6 @@
 use crate::Error;
-use crate::pass::Passes;
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::pass::{LobePasses, Passes};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A GPU with the passes of this crate compiled for it. Clones share the device.
 #[derive(Debug, Clone)]
@@ -11,6 +11,8 @@ pub struct Gpu {
     description: String,
     faults: Faults,
     passes: Arc<Passes>,
+    /// Compiled when first needed.
+    lobe_passes: Arc<OnceLock<Result<LobePasses, Error>>>,
 }
 
 impl Gpu {
@@ -48,6 +50,7 @@ impl Gpu {
         wgpu::Limits {
             max_buffer_size: limits.max_buffer_size,
             max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
+            max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage.min(LOBE_STORAGE_BUFFERS),
             ..wgpu::Limits::downlevel_defaults().using_resolution(limits)
         }
     }
@@ -79,6 +82,19 @@ impl Gpu {
 
     pub(crate) fn passes(&self) -> &Passes {
         &self.passes
+    }
+
+    /// The passes of lobes. They take more storage buffers than the others, so that not every device has them.
+    pub(crate) fn lobe_passes(&self) -> Result<&LobePasses, Error> {
+        let compile = || {
+            let (needed, limit) = (LOBE_STORAGE_BUFFERS, self.device.limits().max_storage_buffers_per_shader_stage);
+            if limit < needed {
+                let what = "shading lobes".into();
+                return Err(self.limit_error(what, needed.into(), "storage buffers per shader", limit.into()));
+            }
+            self.checked("compiling the shaders", || LobePasses::new(&self.device))
+        };
+        self.lobe_passes.get_or_init(compile).as_ref().map_err(Clone::clone)
     }
 
     /// Fails if `bytes` do not fit one storage binding.
@@ -127,7 +143,7 @@ impl Gpu {
     ) -> Result<Self, Error> {
         check_limits(&device.limits(), &info)?;
         let passes = Arc::new(checked(&device, &faults, "compiling the shaders", || Passes::new(&device))?);
-        Ok(Self { device, queue, info, description, faults, passes })
+        Ok(Self { device, queue, info, description, faults, passes, lobe_passes: Arc::default() })
     }
 }
 
@@ -181,6 +197,9 @@ fn first_lines(message: &str) -> String {
 
 /// Storage buffers of one shader stage that [`Passes`] uses at most.
 const STORAGE_BUFFERS: u32 = 4;
+
+/// Storage buffers of one shader stage that [`LobePasses`] uses at most: WebGPU's default.
+const LOBE_STORAGE_BUFFERS: u32 = 8;
 
 fn check_limits(limits: &wgpu::Limits, info: &wgpu::AdapterInfo) -> Result<(), Error> {
     let needs = [

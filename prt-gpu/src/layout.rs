@@ -1,6 +1,6 @@
 //! Structs shared with WGSL, and how transfer is laid out in GPU buffers. A test compares the structs with the shaders.
 
-use crate::Surface;
+use crate::{LobeShape, Lobes, Surface, frame};
 use bytemuck::{Pod, Zeroable};
 
 /// `ShadeParams` of `shade_vector.wgsl`: one chunk of vertices.
@@ -75,6 +75,88 @@ pub(crate) struct PresentParams {
     pub(crate) padding: [u32; 2],
 }
 
+/// Order up to which lobes are evaluated on the GPU, as in `shared/sh_basis.wgsl`.
+pub(crate) const MAX_LOBE_ORDER: usize = 10;
+
+/// Coefficients of a light of [`MAX_LOBE_ORDER`].
+pub(crate) const MAX_LOBE_LIGHT: usize = MAX_LOBE_ORDER * MAX_LOBE_ORDER;
+
+/// `LobeParams` of `shared/lobes.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct LobeParams {
+    /// Items between the records of neighbouring points.
+    pub(crate) point_stride: u32,
+    /// Items between the items of a record.
+    pub(crate) item_stride: u32,
+    pub(crate) rows: u32,
+    pub(crate) channels: u32,
+    pub(crate) lobe_count: u32,
+    pub(crate) explicit_count: u32,
+    /// Bands that lobes have.
+    pub(crate) stored_bands: u32,
+    /// Bands of these that the light has.
+    pub(crate) used_bands: u32,
+    pub(crate) first_band: u32,
+    /// 0 evaluates the light directly.
+    pub(crate) table_width: u32,
+    pub(crate) table_height: u32,
+    /// 0 without a view map.
+    pub(crate) view_size: u32,
+    pub(crate) eye: [f32; 3],
+    pub(crate) has_eye: u32,
+    pub(crate) first_point: u32,
+    pub(crate) point_count: u32,
+    pub(crate) row_length: u32,
+    pub(crate) padding: u32,
+    pub(crate) light: [[f32; 4]; MAX_LOBE_LIGHT],
+}
+
+/// `TableParams` of `build_table.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct TableParams {
+    /// Texels in a row, border included.
+    pub(crate) columns: u32,
+    /// Rows, border included.
+    pub(crate) rows: u32,
+    pub(crate) band_count: u32,
+    pub(crate) first_band: u32,
+    pub(crate) light: [[f32; 4]; MAX_LOBE_LIGHT],
+}
+
+/// `TextureParams` of `resolve_texture.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct TextureParams {
+    pub(crate) size: [u32; 2],
+    /// Texels per unit of uv.
+    pub(crate) scale: [f32; 2],
+    pub(crate) sampling: u32,
+    pub(crate) has_albedo: u32,
+    /// Item of a record at which the albedo begins.
+    pub(crate) albedo_item: u32,
+    pub(crate) padding: u32,
+}
+
+/// `SkinParams` of `skin.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct SkinParams {
+    pub(crate) vertex_count: u32,
+    pub(crate) row_length: u32,
+    pub(crate) from_rest: u32,
+    pub(crate) padding: u32,
+}
+
+/// `Influence` of `skin.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct Influence {
+    pub(crate) weights: [f32; 4],
+    pub(crate) joints: [u32; 4],
+}
+
 /// Blocks of four that hold `coeff_count` coefficients, the last one padded with zeros.
 pub(crate) fn block_count(coeff_count: usize) -> usize {
     coeff_count.div_ceil(4)
@@ -121,6 +203,48 @@ pub(crate) fn transpose_transfer(surface: &Surface<'_>, chunk: Chunk) -> Vec<[f3
         }
     }
     out
+}
+
+/// Floats of the record of a point: explicit coefficients, axes, and the coefficients of the bands that lobes describe.
+pub(crate) fn lobe_record_length(shape: &LobeShape) -> usize {
+    let bands = shape.order.get().saturating_sub(shape.first_band());
+    shape.explicit_floats() + shape.axis_count() * (3 + shape.channels * bands)
+}
+
+/// The record of one point.
+pub(crate) fn lobe_record<'a>(lobes: &Lobes<'a>, point: usize) -> impl Iterator<Item = f32> + use<'a> {
+    let shape = lobes.shape;
+    let part = |values: &'a [f32], size: usize| &values[point * size..(point + 1) * size];
+    let explicit = part(lobes.explicit, shape.explicit_floats());
+    let axes = &lobes.axes[point * shape.axis_count()..(point + 1) * shape.axis_count()];
+    let coeffs = part(lobes.coeffs, shape.coeff_floats());
+    let first = shape.first_band().min(shape.order.get());
+    let bands = coeffs.chunks_exact(shape.order.get()).flat_map(move |lobe| &lobe[first..]);
+    explicit.iter().chain(axes.as_flattened()).chain(bands).copied()
+}
+
+/// Lobes of a chunk in the order of the GPU, `[items of a record, chunk vertices]`.
+pub(crate) fn transpose_lobes(lobes: &Lobes<'_>, chunk: Chunk) -> Vec<f32> {
+    let mut out = vec![0.0; lobe_record_length(&lobes.shape) * chunk.vertex_count];
+    for vertex in 0..chunk.vertex_count {
+        for (item, value) in lobe_record(lobes, chunk.first_vertex + vertex).enumerate() {
+            out[item * chunk.vertex_count + vertex] = value;
+        }
+    }
+    out
+}
+
+/// Frames and positions as `[V, 3]`, a column of the frame and a component of the position each.
+///
+/// Frames that are not orthonormal are replaced; positions that are not finite are the origin, since no triangle shows them. Without
+/// frames they are the identity.
+pub(crate) fn pack_pose(positions: &[[f32; 3]], frames: &[[[f32; 3]; 3]]) -> Vec<[f32; 4]> {
+    let pack = |(v, position): (usize, &[f32; 3])| {
+        let frame = frames.get(v).map_or(frame::IDENTITY, frame::orthonormal_or_replaced);
+        let position = if position.iter().all(|x| x.is_finite()) { *position } else { [0.0; 3] };
+        std::array::from_fn::<_, 3, _>(|k| [frame[k][0], frame[k][1], frame[k][2], position[k]])
+    };
+    positions.iter().enumerate().flat_map(pack).collect()
 }
 
 /// A light `[3, k²]` as `[3, blocks]` of four coefficients.

@@ -83,7 +83,7 @@ pub use error::Error;
 pub use lobe_surface::LobeSurface;
 pub use lobes::{LobeShape, Lobes};
 pub use pass::{Background, PresentOptions, Presenter, ShadingLimits};
-pub use renderer::SurfaceRenderer;
+pub use renderer::{LobeRenderer, SurfaceRenderer, TexturedRenderer};
 pub use skin::{PoseFrames, Skin};
 pub use surface::Surface;
 pub use table::{Evaluation, LobeTable};

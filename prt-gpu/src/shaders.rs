@@ -2,6 +2,14 @@
 
 /// Bindings, structs and exact arithmetic of triangles on the screen.
 const SCREEN: &str = include_str!("../shaders/shared/screen.wgsl");
+/// From samples to pixels.
+const PIXEL: &str = include_str!("../shaders/shared/pixel.wgsl");
+/// Angles from polynomials.
+const ANGLE: &str = include_str!("../shaders/shared/angle.wgsl");
+/// Sums of the bands of a light.
+const SH_BASIS: &str = include_str!("../shaders/shared/sh_basis.wgsl");
+/// Zonal lobes and what they transfer.
+const LOBES: &str = include_str!("../shaders/shared/lobes.wgsl");
 /// The tone curve.
 const TONE_MAP: &str = include_str!("../shaders/shared/tone_map.wgsl");
 
@@ -23,17 +31,30 @@ pub(crate) const SHADE_VECTOR: Shader =
 pub(crate) const DRAW_SURFACE: Shader =
     Shader { name: "draw_surface", parts: &[SCREEN, include_str!("../shaders/draw_surface.wgsl")] };
 pub(crate) const RESOLVE: Shader =
-    Shader { name: "resolve", parts: &[SCREEN, include_str!("../shaders/resolve.wgsl")] };
+    Shader { name: "resolve", parts: &[SCREEN, PIXEL, include_str!("../shaders/resolve.wgsl")] };
+pub(crate) const BUILD_TABLE: Shader =
+    Shader { name: "build_table", parts: &[SH_BASIS, include_str!("../shaders/build_table.wgsl")] };
+pub(crate) const SHADE_LOBES: Shader =
+    Shader { name: "shade_lobes", parts: &[ANGLE, SH_BASIS, LOBES, include_str!("../shaders/shade_lobes.wgsl")] };
+pub(crate) const RESOLVE_TEXTURE: Shader = Shader {
+    name: "resolve_texture",
+    parts: &[SCREEN, PIXEL, ANGLE, SH_BASIS, LOBES, include_str!("../shaders/resolve_texture.wgsl")],
+};
+pub(crate) const SKIN: Shader = Shader { name: "skin", parts: &[include_str!("../shaders/skin.wgsl")] };
 pub(crate) const PRESENT: Shader =
     Shader { name: "present", parts: &[TONE_MAP, include_str!("../shaders/present.wgsl")] };
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{ClipVertex, FrameParams, PresentParams, ScreenVertex, ShadeParams};
+    use crate::layout::{
+        ClipVertex, FrameParams, Influence, LobeParams, PresentParams, ScreenVertex, ShadeParams, SkinParams,
+        TableParams, TextureParams,
+    };
     use std::mem::offset_of;
 
-    const ALL: [Shader; 4] = [SHADE_VECTOR, DRAW_SURFACE, RESOLVE, PRESENT];
+    const ALL: [Shader; 8] =
+        [SHADE_VECTOR, DRAW_SURFACE, RESOLVE, PRESENT, BUILD_TABLE, SHADE_LOBES, RESOLVE_TEXTURE, SKIN];
 
     fn parse(shader: &Shader) -> naga::Module {
         let source = shader.source();
@@ -82,11 +103,43 @@ mod tests {
             params,
             ShadeParams { first_vertex, vertex_count, stored_blocks, used_blocks, channel_count, row_length, padding }
         );
-        for shader in [&DRAW_SURFACE, &RESOLVE] {
+        for shader in [&SHADE_LOBES, &RESOLVE_TEXTURE] {
+            assert_layout!(
+                shader,
+                LobeParams {
+                    point_stride,
+                    item_stride,
+                    rows,
+                    channels,
+                    lobe_count,
+                    explicit_count,
+                    stored_bands,
+                    used_bands,
+                    first_band,
+                    table_width,
+                    table_height,
+                    view_size,
+                    eye,
+                    has_eye,
+                    first_point,
+                    point_count,
+                    row_length,
+                    padding,
+                    light
+                }
+            );
+        }
+        assert_layout!(&BUILD_TABLE, TableParams { columns, rows, band_count, first_band, light });
+        assert_layout!(&RESOLVE_TEXTURE, TextureParams { size, scale, sampling, has_albedo, albedo_item, padding });
+        assert_layout!(&SKIN, SkinParams { vertex_count, row_length, from_rest, padding });
+        assert_layout!(&SKIN, Influence { weights, joints });
+        for shader in [&DRAW_SURFACE, &RESOLVE, &RESOLVE_TEXTURE] {
             assert_layout!(shader, FrameParams { size, samples, vertex_count, front_count, zero, padding });
             assert_layout!(shader, ScreenVertex { x, y, z, inverse_w });
         }
-        assert_layout!(&RESOLVE, ClipVertex { source, padding_0, weight, padding_1 });
+        for shader in [&RESOLVE, &RESOLVE_TEXTURE] {
+            assert_layout!(shader, ClipVertex { source, padding_0, weight, padding_1 });
+        }
         assert_layout!(&PRESENT, PresentParams { world_from_clip, exposure, show_background, padding });
     }
 }

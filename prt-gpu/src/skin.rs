@@ -1,4 +1,4 @@
-use crate::frame::{any_tangent, cross, dot, orthogonal, orthonormal_or_replaced, unit};
+use crate::frame::{any_tangent, cross, dot, orthogonal, orthonormal_or_replaced, rotate, unit};
 use crate::surface::{all_finite, check_length};
 use crate::{Error, cpu};
 
@@ -96,9 +96,9 @@ pub(crate) fn posed_frame(linear: [[f32; 3]; 3], rest: &[[f32; 3]; 3]) -> [[f32;
     let largest = linear.as_flattened().iter().fold(f32::MIN_POSITIVE, |largest, x| largest.max(x.abs()));
     let f = linear.map(|column| column.map(|x| x / largest));
     let cofactor = [cross(f[1], f[2]), cross(f[2], f[0]), cross(f[0], f[1])];
-    let normal = unit_or(crate::frame::rotate(&cofactor, n), n);
+    let normal = unit_or(rotate(&cofactor, n), n);
     let side = if dot(cross(n, t), b) < 0.0 { -1.0 } else { 1.0 };
-    let [ft, fb] = [t, b].map(|v| crate::frame::rotate(&f, v));
+    let [ft, fb] = [t, b].map(|v| rotate(&f, v));
     let (along, turned) = (dot(normal, ft), cross(normal, fb));
     let sum = std::array::from_fn(|i| (ft[i] - along * normal[i]) - side * turned[i]);
     let tangent = match dot(sum, sum) > COLLAPSE * COLLAPSE {
@@ -118,7 +118,7 @@ fn unit_or(v: [f32; 3], other: [f32; 3]) -> [f32; 3] {
 
 /// The rotation from a rest frame to a posed one.
 pub(crate) fn from_rest(posed: &[[f32; 3]; 3], rest: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
-    std::array::from_fn(|k| crate::frame::rotate(posed, rest.map(|column| column[k])))
+    std::array::from_fn(|k| rotate(posed, rest.map(|column| column[k])))
 }
 
 /// One vertex of a pose.
@@ -128,13 +128,17 @@ pub(crate) fn posed(
     rest: &[[f32; 3]; 3],
     kind: PoseFrames,
 ) -> ([f32; 3], [[f32; 3]; 3]) {
-    let [x, y, z, translation] = matrix;
-    let moved = crate::frame::rotate(&[x, y, z], position);
     let rest = orthonormal_or_replaced(rest);
-    let frame = posed_frame([x, y, z], &rest);
+    let frame = posed_frame([matrix[0], matrix[1], matrix[2]], &rest);
     let frame = match kind {
         PoseFrames::FromRest => from_rest(&frame, &rest),
         PoseFrames::Tangent => frame,
     };
-    (std::array::from_fn(|i| moved[i] + translation[i]), frame)
+    (moved(&matrix, position), frame)
+}
+
+/// A position under an affine map.
+pub(crate) fn moved(&[x, y, z, translation]: &[[f32; 3]; 4], position: [f32; 3]) -> [f32; 3] {
+    let moved = rotate(&[x, y, z], position);
+    std::array::from_fn(|i| moved[i] + translation[i])
 }

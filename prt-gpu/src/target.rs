@@ -14,6 +14,7 @@ pub struct Target {
     pub(crate) nearest: wgpu::TextureView,
     pub(crate) sample_depth: wgpu::TextureView,
     pub(crate) resolve_group: wgpu::BindGroup,
+    views: [wgpu::TextureView; 2],
 }
 
 impl Target {
@@ -42,9 +43,13 @@ impl Target {
         let sample_depth = texture(gpu, sample_size, DrawSurface::DEPTH_FORMAT, Usage::RENDER_ATTACHMENT);
         let [nearest, sample_depth] = [nearest, sample_depth].map(|t| t.create_view(&Default::default()));
         let views = [&color, &depth].map(|t| t.create_view(&Default::default()));
-        let resources = [&nearest, &views[0], &views[1]].map(wgpu::BindingResource::TextureView);
-        let resolve_group = bind(gpu.device(), &gpu.passes().resolve.target_layout(), &resources);
-        Self { size, samples, color, depth, nearest, sample_depth, resolve_group }
+        let resolve_group = bind_images(gpu, &gpu.passes().resolve, &nearest, &views);
+        Self { size, samples, color, depth, nearest, sample_depth, resolve_group, views }
+    }
+
+    /// The images, bound for another pass that resolves.
+    pub(crate) fn bind(&self, gpu: &Gpu, resolve: &Resolve) -> wgpu::BindGroup {
+        bind_images(gpu, resolve, &self.nearest, &self.views)
     }
 
     /// Pixels.
@@ -84,6 +89,16 @@ impl Target {
             depth: read_texture(gpu, &self.depth)?,
         })
     }
+}
+
+fn bind_images(
+    gpu: &Gpu,
+    resolve: &Resolve,
+    nearest: &wgpu::TextureView,
+    views: &[wgpu::TextureView; 2],
+) -> wgpu::BindGroup {
+    let resources = [nearest, &views[0], &views[1]].map(wgpu::BindingResource::TextureView);
+    bind(gpu.device(), &resolve.target_layout(), &resources)
 }
 
 fn texture(

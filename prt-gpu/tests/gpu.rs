@@ -2,6 +2,7 @@
 //! failure. `WGPU_BACKEND=gl` runs them on OpenGL.
 #![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
+mod lobes;
 mod scene;
 
 use prt_gpu::{

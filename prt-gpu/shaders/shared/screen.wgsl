@@ -67,6 +67,8 @@ fn corner(triangle: u32, k: u32) -> ScreenVertex {
 struct Hit {
     // Shares of the corners, linear on the surface.
     weights: vec3<f32>,
+    // The same before they are divided by their sum, with the twin's bits.
+    shares: vec3<f32>,
     // Clip depth, 0 to 1.
     depth: f32,
 }
@@ -84,6 +86,6 @@ fn hit(triangle: u32, sample: vec2<i32>) -> Hit {
     let r = reciprocal(exact(edges.x + edges.y) + edges.z);
     let screen = vec3(exact(edges.x * r), exact(edges.y * r), exact(edges.z * r));
     let rise = exact(exact(screen.y * exact(b.z - a.z)) + exact(screen.z * exact(c.z - a.z)));
-    let shares = screen * vec3(a.inverse_w, b.inverse_w, c.inverse_w);
-    return Hit(shares / (shares.x + shares.y + shares.z), clamp(a.z + rise, 0.0, 1.0));
+    let shares = vec3(exact(screen.x * a.inverse_w), exact(screen.y * b.inverse_w), exact(screen.z * c.inverse_w));
+    return Hit(shares / (shares.x + shares.y + shares.z), shares, clamp(a.z + rise, 0.0, 1.0));
 }

@@ -13,6 +13,10 @@ pub use shade_lobes::shade_lobes;
 pub use shade_vector::shade_vector;
 pub use skin::skin;
 
+pub(crate) use build_table::interleave;
+pub(crate) use resolve_texture::texels_per_uv;
+pub(crate) use skin::skinned_positions;
+
 use crate::assemble::assemble;
 use crate::surface::{check_length, check_light};
 use crate::{Error, Evaluation, Frame, LobeSurface, Surface, TexturedSurface, View};
@@ -36,7 +40,7 @@ pub fn render(surface: &Surface<'_>, light: &[f32], order: Order, view: &View) -
     Ok(rasterize(surface.positions, surface.triangles, &radiance, view))
 }
 
-/// Shades and draws a surface with lobes: the twin of `LobeRenderer::render`. The positions are those of the pose.
+/// Shades and draws a surface with lobes: the twin of [`crate::LobeRenderer::render`]. The positions are those of the pose.
 ///
 /// Parameters are those of [`shade_lobes`]. The result does not depend on the number of threads.
 ///
@@ -63,7 +67,7 @@ pub fn render_lobes(
     Ok(rasterize(surface.positions, surface.triangles, &radiance, view))
 }
 
-/// Draws a surface with a texture of lobes, shaded at every sample: the twin of `TexturedRenderer::render`.
+/// Draws a surface with a texture of lobes, shaded at every sample: the twin of [`crate::TexturedRenderer::render`].
 ///
 /// - `frames`: `[V]`, `[tangent, bitangent, normal]` of the pose; interpolated over triangles and made orthonormal again. Replaced as in
 ///   [`shade_lobes`]

@@ -1,4 +1,5 @@
-use crate::skin::{blended, check_joints, posed};
+use crate::layout::Influence;
+use crate::skin::{blended, check_joints, moved, posed};
 use crate::{PoseFrames, Skin};
 use rayon::prelude::*;
 
@@ -34,4 +35,14 @@ pub fn skin(
         let matrix = blended(matrices, skin.joints[v], skin.weights[v]);
         (*position, *frame) = posed(matrix, skin.positions[v], &skin.frames[v], kind);
     });
+}
+
+/// Positions alone, in the arrays of the GPU's pass.
+pub(crate) fn skinned_positions(
+    rest: &[[f32; 3]],
+    influences: &[Influence],
+    matrices: &[[[f32; 4]; 4]],
+) -> Vec<[f32; 3]> {
+    let moved = |(rest, by): (&[f32; 3], &Influence)| moved(&blended(matrices, by.joints, by.weights), *rest);
+    rest.par_iter().zip(influences).with_min_len(1024).map(moved).collect()
 }

@@ -1,17 +1,26 @@
 //! The passes: what each is compiled from, what it is given, and how it is dispatched.
 
+mod build_table;
 mod draw_surface;
+mod lobe_light;
 mod present;
 mod resolve;
+mod resolve_texture;
+mod shade_lobes;
 mod shade_vector;
+mod skin;
 
+pub(crate) use build_table::BuildTable;
 pub(crate) use draw_surface::DrawSurface;
 pub use present::{Background, PresentOptions, Presenter};
 pub(crate) use resolve::Resolve;
+pub(crate) use resolve_texture::TextureShading;
+pub(crate) use shade_lobes::{LobeShading, ShadeLobes};
 pub use shade_vector::ShadingLimits;
 pub(crate) use shade_vector::{ShadeVector, Shading};
+pub(crate) use skin::{SkinPass, Skinning};
 
-use crate::shaders::Shader;
+use crate::shaders::{RESOLVE, RESOLVE_TEXTURE, Shader};
 
 /// The pipelines that every renderer uses.
 #[derive(Debug)]
@@ -26,7 +35,27 @@ impl Passes {
         Self {
             shade_vector: ShadeVector::new(device),
             draw_surface: DrawSurface::new(device),
-            resolve: Resolve::new(device),
+            resolve: Resolve::new(device, RESOLVE),
+        }
+    }
+}
+
+/// The pipelines of lobes.
+#[derive(Debug)]
+pub(crate) struct LobePasses {
+    pub(crate) build_table: BuildTable,
+    pub(crate) shade_lobes: ShadeLobes,
+    pub(crate) skin: SkinPass,
+    pub(crate) resolve_texture: Resolve,
+}
+
+impl LobePasses {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        Self {
+            build_table: BuildTable::new(device),
+            shade_lobes: ShadeLobes::new(device),
+            skin: SkinPass::new(device),
+            resolve_texture: Resolve::new(device, RESOLVE_TEXTURE),
         }
     }
 }
@@ -45,6 +74,17 @@ fn compute_pipeline(device: &wgpu::Device, shader: Shader) -> wgpu::ComputePipel
         compilation_options: Default::default(),
         cache: None,
     })
+}
+
+/// A bind group of buffers with their binding numbers.
+pub(crate) fn bind_buffers(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    buffers: &[(u32, &wgpu::Buffer)],
+) -> wgpu::BindGroup {
+    let buffers = buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding()));
+    let entries: Vec<_> = buffers.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
 /// A bind group of resources in the order of their binding numbers, from 0.

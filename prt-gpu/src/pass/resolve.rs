@@ -1,6 +1,6 @@
 use super::compute_pipeline;
 use crate::Target;
-use crate::shaders::RESOLVE;
+use crate::shaders::Shader;
 
 /// Pixels per side of a workgroup, as in the shader.
 const WORKGROUP: u32 = 8;
@@ -15,8 +15,8 @@ impl Resolve {
     pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
     pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
-        Self { pipeline: compute_pipeline(device, RESOLVE) }
+    pub(crate) fn new(device: &wgpu::Device, shader: Shader) -> Self {
+        Self { pipeline: compute_pipeline(device, shader) }
     }
 
     /// Layout of the frame's parameters, screen vertices, corners, clip vertices and radiance.
@@ -30,11 +30,18 @@ impl Resolve {
     }
 
     /// - `screen`: bound as [`Resolve::screen_layout`]
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, screen: &wgpu::BindGroup, target: &Target) {
+    /// - `images`: of the target, bound as [`Resolve::target_layout`]
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        screen: &wgpu::BindGroup,
+        images: &wgpu::BindGroup,
+        target: &Target,
+    ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, screen, &[]);
-        pass.set_bind_group(1, &target.resolve_group, &[]);
+        pass.set_bind_group(1, images, &[]);
         pass.dispatch_workgroups(target.width().div_ceil(WORKGROUP), target.height().div_ceil(WORKGROUP), 1);
     }
 }

@@ -48,6 +48,15 @@ impl ShadingLimits {
             groups_per_side: gpu.device().limits().max_compute_workgroups_per_dimension,
         }
     }
+
+    /// Cut to what the adapter allows.
+    pub(crate) fn within(self, gpu: &Gpu) -> Self {
+        let adapter = Self::of(gpu);
+        Self {
+            buffer_bytes: self.buffer_bytes.min(adapter.buffer_bytes),
+            groups_per_side: self.groups_per_side.min(adapter.groups_per_side),
+        }
+    }
 }
 
 /// What the pass reads and writes for one surface.
