@@ -23,8 +23,11 @@ fn rotation() -> impl Strategy<Value = DMat3> {
     (unit(), -3.2..3.2_f64).prop_map(|(axis, angle)| DMat3::from_quat(DQuat::from_axis_angle(axis, angle)))
 }
 
-fn matrix() -> impl Strategy<Value = DMat3> {
-    prop::array::uniform9(-1.0..1.0_f64).prop_map(|values| DMat3::from_cols_array(&values))
+/// Matrices that neither mirror nor collapse: of a mirror the angle may be badly conditioned or undefined.
+fn proper() -> impl Strategy<Value = DMat3> {
+    let matrix = prop::array::uniform9(-1.0..1.0_f64).prop_map(|values| DMat3::from_cols_array(&values));
+    let positive = matrix.prop_map(|f| if f.determinant() < 0.0 { f * -1.0 } else { f });
+    positive.prop_map(|f| if f.determinant() < 0.02 { f + DMat3::IDENTITY * 3.0 } else { f })
 }
 
 fn rotate(gradient: DMat3, normal: DVec3) -> Mat3 {
@@ -52,8 +55,7 @@ proptest! {
 
     /// The normal against the inverse transpose, the tangents against the polar factor found by Newton's iteration.
     #[test]
-    fn normal_and_tangents_by_a_second_method(f in matrix(), n in unit()) {
-        prop_assume!(f.determinant() > 1e-3);
+    fn normal_and_tangents_by_a_second_method(f in proper(), n in unit()) {
         let r = rotate(f, n).as_dmat3();
         let expected = (f.inverse().transpose() * n).normalize();
         prop_assert!((r * n).distance(expected) < 1e-6);
@@ -65,9 +67,7 @@ proptest! {
 
     /// A rotation before or after changes the frame by just that.
     #[test]
-    fn commutes_with_rotations(f in matrix(), n in unit(), before in rotation(), after in rotation()) {
-        // The angle of a mirror may be badly conditioned, and undefined.
-        prop_assume!(f.determinant() > 1e-2);
+    fn commutes_with_rotations(f in proper(), n in unit(), before in rotation(), after in rotation()) {
         let whole = rotate(after * f * before, before.transpose() * n);
         let parts = after.as_mat3() * rotate(f, n) * before.as_mat3();
         prop_assert!(distance(whole, parts) < 1e-4);

@@ -49,6 +49,21 @@ fn deform(skin: &Skin, skeleton: &Skeleton, pose: &Pose) -> Deformed {
     out
 }
 
+/// The linear part of a vertex' map.
+fn blend(skin: &Skin, vertex: usize, maps: &[Affine]) -> DMat3 {
+    let parts = skin.parts();
+    let bones = (0..3).map(|k| (parts.bone_indices[3 * vertex + k], parts.weights[3 * vertex + k]));
+    bones
+        .map(|(bone, weight)| DMat3::from_cols_array_2d(&maps[usize::from(bone)].linear) * f64::from(weight))
+        .fold(DMat3::ZERO, |sum, part| sum + part)
+}
+
+/// How much rounding may grow in a product with the inverse.
+fn condition(matrix: DMat3) -> f64 {
+    let norm = |matrix: DMat3| matrix.to_cols_array().iter().map(|value| value * value).sum::<f64>().sqrt();
+    norm(matrix) * norm(matrix.inverse())
+}
+
 fn vec(array: [f32; 3]) -> DVec3 {
     DVec3::from(array.map(f64::from))
 }
@@ -82,14 +97,17 @@ proptest! {
         };
         let out = deform(&skin, &skeleton, &pose);
         let rotation = DMat3::from_cols_array_2d(&motion.to_affine().linear);
+        let rest_maps = skin.bone_maps(&skeleton, &skeleton.rest_pose());
         for i in 0..skin.vertex_count() {
             let expected = motion.to_affine().apply(skin.rest_positions()[i].map(f64::from));
             prop_assert!(vec(out.positions[i]).distance(expected.into()) < 1e-5);
-            prop_assert!(vec(out.normals[i]).distance(rotation * vec(skin.rest_normals()[i])) < 1e-6);
+            // Rotations that oppose one another blend to nothing: there is no surface to follow.
+            if condition(blend(&skin, i, &rest_maps)) > 100.0 {
+                continue;
+            }
+            prop_assert!(vec(out.normals[i]).distance(rotation * vec(skin.rest_normals()[i])) < 1e-5);
             let frame = Mat3::from_cols_array_2d(&out.frames[i]);
-            // A blend of rotations may nearly collapse a vertex where it rests; its gradient is stored in f32.
-            let worst = (frame - rotation.as_mat3()).to_cols_array().into_iter().fold(0.0_f32, |a, b| a.max(b.abs()));
-            prop_assert!(worst < 2e-4, "{worst}");
+            prop_assert!(frame.abs_diff_eq(rotation.as_mat3(), 1e-5), "{frame} {rotation}");
         }
     }
 
@@ -130,15 +148,12 @@ proptest! {
         let out = deform(&skin, &skeleton, &pose);
         let (rest_maps, maps) = (skin.bone_maps(&skeleton, &skeleton.rest_pose()), skin.bone_maps(&skeleton, &pose));
         for i in 0..skin.vertex_count() {
-            let blend = |maps: &[Affine]| {
-                let parts = skin.parts();
-                (0..3).map(|k| DMat3::from_cols_array_2d(&maps[usize::from(parts.bone_indices[3 * i + k])].linear) * f64::from(parts.weights[3 * i + k]))
-                    .fold(DMat3::ZERO, |sum, part| sum + part)
-            };
+            let blend = |maps: &[Affine]| blend(&skin, i, maps);
             let rest = blend(&rest_maps);
             let gradient = blend(&maps) * rest.inverse();
-            let conditioned = rest.determinant().abs() > 1e-2 && gradient.determinant() > 1e-2;
-            if !conditioned { continue; }
+            if condition(rest) > 100.0 || condition(gradient) > 100.0 || gradient.determinant() < 0.0 {
+                continue;
+            }
             let normal = vec(skin.rest_normals()[i]);
             let expected = (gradient.inverse().transpose() * normal).normalize();
             prop_assert!(vec(out.normals[i]).distance(expected) < 1e-4);

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::frame::surface_rotation;
-use crate::linear::cofactors;
+use crate::linear::{cofactors, unit_or_z};
 use crate::parallel::fill;
 
 /// Frames of all vertices of a mesh that was deformed in an unknown way.
@@ -40,7 +40,7 @@ pub fn frames_from_mesh(
     let sums = sum_over_faces(count, triangles, &faces);
     let mut frames = vec![DMat3::IDENTITY.as_mat3().to_cols_array_2d(); count];
     fill(&mut frames, |vertex| {
-        let normal = DVec3::from(rest_normals[vertex].map(f64::from));
+        let normal = unit_or_z(DVec3::from(rest_normals[vertex].map(f64::from)));
         surface_rotation(sums[vertex], normal).as_mat3().to_cols_array_2d()
     });
     frames
