@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::frame::surface_rotation;
+use crate::linear::unit_or_z;
 use crate::parallel::fill_three;
 
 /// Vertices after a deformation, as the shading of zonal lobes takes them.
@@ -12,7 +13,7 @@ use crate::parallel::fill_three;
 pub struct Deformed {
     /// Positions, scene units.
     pub positions: Vec<[f32; 3]>,
-    /// Normals, unit length: `frame · rest normal`.
+    /// Normals, unit length: `frame · rest normal`; a rest normal without direction counts as +z.
     pub normals: Vec<[f32; 3]>,
     /// Rotations from the rest pose, three columns each: what [`rotation_of`](crate::rotation_of) makes of the gradient.
     pub frames: Vec<[[f32; 3]; 3]>,
@@ -28,6 +29,7 @@ impl Deformed {
         self.frames.resize(count, [[0.0; 3]; 3]);
         fill_three((&mut self.positions, &mut self.normals, &mut self.frames), |i| {
             let (position, gradient, normal) = vertex(i);
+            let normal = unit_or_z(normal);
             let rotation = surface_rotation(gradient, normal);
             (finite(position), (rotation * normal).as_vec3().to_array(), rotation.as_mat3().to_cols_array_2d())
         });

@@ -3,14 +3,14 @@
 use glam::{DMat3, DVec3};
 
 use crate::frame::surface_rotation;
-use crate::linear::cofactors;
+use crate::linear::{cofactors, unit_or_z};
 use crate::parallel::fill;
 
 /// Frames of all vertices of a mesh that was deformed in an unknown way.
 ///
 /// A face's gradient takes its two edges and its normal to those of the deformed face, the normal scaled by the square root of the
 /// ratio of areas, so that it is exact for similar triangles. A vertex has the average of its faces' gradients, weighted by
-/// the angle at it in the rest pose, and then [`rotation_of`](crate::rotation_of).
+/// their areas in the rest pose (so that the noise in the gradient of a sliver does not count), and then [`rotation_of`](crate::rotation_of).
 ///
 /// - `rest_positions`, `rest_normals`, `deformed_positions`: `[V]`
 /// - `triangles`: three vertex numbers each
@@ -35,27 +35,23 @@ pub fn frames_from_mesh(
     let mut faces = vec![None; triangles.len()];
     fill(&mut faces, |face| {
         let rest = corners(rest_positions, triangles[face]);
-        Some((face_gradient(rest, corners(deformed_positions, triangles[face]))?, corner_angles(rest)))
+        weighted_gradient(rest, corners(deformed_positions, triangles[face]))
     });
     let sums = sum_over_faces(count, triangles, &faces);
     let mut frames = vec![DMat3::IDENTITY.as_mat3().to_cols_array_2d(); count];
     fill(&mut frames, |vertex| {
-        let normal = DVec3::from(rest_normals[vertex].map(f64::from));
+        let normal = unit_or_z(DVec3::from(rest_normals[vertex].map(f64::from)));
         surface_rotation(sums[vertex], normal).as_mat3().to_cols_array_2d()
     });
     frames
 }
 
-type Face = Option<(DMat3, [f64; 3])>;
-
-/// `Σ angle · gradient` of the faces around each vertex.
-fn sum_over_faces(count: usize, triangles: &[[u32; 3]], faces: &[Face]) -> Vec<DMat3> {
+/// The sum over the faces around each vertex.
+fn sum_over_faces(count: usize, triangles: &[[u32; 3]], faces: &[Option<DMat3>]) -> Vec<DMat3> {
     let mut sums = vec![DMat3::ZERO; count];
     for (triangle, face) in triangles.iter().zip(faces) {
-        let Some((gradient, angles)) = face else { continue };
-        for (&vertex, &angle) in triangle.iter().zip(angles) {
-            sums[vertex as usize] += *gradient * angle;
-        }
+        let Some(gradient) = face else { continue };
+        triangle.iter().for_each(|&vertex| sums[vertex as usize] += *gradient);
     }
     sums
 }
@@ -73,14 +69,14 @@ pub(super) fn corner_angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [angle(a, b, c), angle(b, c, a), angle(c, a, b)]
 }
 
-/// The linear map that takes the edges and the scaled normal of one triangle to those of another.
+/// The linear map that takes the edges and the scaled normal of one triangle to those of another, times the first one's area.
 ///
 /// `None` if the first has no area or something is not finite.
-fn face_gradient(rest: [DVec3; 3], deformed: [DVec3; 3]) -> Option<DMat3> {
+fn weighted_gradient(rest: [DVec3; 3], deformed: [DVec3; 3]) -> Option<DMat3> {
     let rest = edges_and_normal(rest);
     let determinant = rest.determinant();
-    let deformed = edges_and_normal(deformed);
-    let gradient = deformed * cofactors(rest).transpose() * (1.0 / determinant);
+    // The determinant is the parallelogram's area to the power 3/2.
+    let gradient = edges_and_normal(deformed) * cofactors(rest).transpose() * (1.0 / determinant.cbrt());
     (determinant > 0.0 && gradient.is_finite()).then_some(gradient)
 }
 

@@ -38,12 +38,11 @@ const COLLAPSED_AREA: f64 = 1e-12;
 /// Source: [SLS05](sh_core#references) section 3: lobes rotate with the local frame; the paper leaves the choice of the frame open.
 #[must_use]
 pub fn rotation_of(gradient: [[f64; 3]; 3], normal: [f64; 3]) -> [[f32; 3]; 3] {
-    surface_rotation(DMat3::from_cols_array_2d(&gradient), DVec3::from(normal)).as_mat3().to_cols_array_2d()
+    surface_rotation(DMat3::from_cols_array_2d(&gradient), unit_or_z(DVec3::from(normal))).as_mat3().to_cols_array_2d()
 }
 
-/// [`rotation_of`] before it is rounded.
+/// [`rotation_of`] before it is rounded; the normal is unit length.
 pub(crate) fn surface_rotation(gradient: DMat3, normal: DVec3) -> DMat3 {
-    let normal = unit_or_z(normal);
     let (t1, t2) = normal.any_orthonormal_pair();
     let Some(gradient) = scaled(gradient, t1, t2) else { return DMat3::IDENTITY };
     let (a, b) = (gradient * t1, gradient * t2);
@@ -103,6 +102,8 @@ pub fn frames_from_skin(skin: &Skin, maps: &[Affine], out: &mut [[[f32; 3]; 3]])
     skin.check(maps, out.len());
     fill(out, |vertex| {
         let (linear, _) = skin.blend(vertex, maps);
-        surface_rotation(skin.gradient(vertex, linear), skin.rest_normal(vertex)).as_mat3().to_cols_array_2d()
+        surface_rotation(skin.gradient(vertex, linear), unit_or_z(skin.rest_normal(vertex)))
+            .as_mat3()
+            .to_cols_array_2d()
     });
 }

@@ -96,11 +96,12 @@ fn orthonormal(tangent: DVec3, n: DVec3, hand: f64) -> DMat3 {
 pub fn push_tangent_frame(gradient: [[f64; 3]; 3], frame: [[f32; 3]; 3]) -> [[f32; 3]; 3] {
     let gradient = DMat3::from_cols_array_2d(&gradient);
     let [t, b, n] = frame.map(|column| DVec3::from(column.map(f64::from)));
+    let n = unit_or_z(n);
     let rotation = surface_rotation(gradient, n);
     let image = gradient * t;
     let largest = image.abs().max_element();
     let tangent = if largest > 0.0 && largest.is_finite() { image / largest } else { rotation * t };
-    let normal = rotation * unit_or_z(n);
+    let normal = rotation * n;
     let follows = (tangent - normal * normal.dot(tangent)).length() > f64::from(f32::EPSILON) * tangent.length();
     let tangent = if follows { tangent } else { rotation * t };
     orthonormal(tangent, normal, t.cross(b).dot(n)).as_mat3().to_cols_array_2d()

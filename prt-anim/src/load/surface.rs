@@ -23,7 +23,7 @@ const MAX_PER_VERTEX: usize = 8;
 /// Albedo of a surface without a material, as elsewhere in the workspace.
 const DEFAULT_ALBEDO: [f32; 3] = [0.8; 3];
 
-/// Weights may miss a sum of one by so much without being counted: four weights of eight bits may be half a step off each.
+/// Weights may miss a sum of one by so much without being counted: far more than rounding to `f32`, less than a step of sixteen bits or eight.
 const WEIGHT_SUM_TOLERANCE: f64 = 1e-4;
 
 /// The mesh in the making.
