@@ -7,10 +7,10 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use prt_bake::{BakeOptions, Mesh, MeshOptions, Scene, bake_diffuse, load_mesh};
+use prt_bake::{BakeOptions, HeightField, Mesh, MeshOptions, PatchOptions, Scene, bake_diffuse, bake_patch, load_mesh};
 use prt_tests::{SceneBuilder, data_path, grid, icosphere};
 
-criterion_group!(benches, bake, rays, tree, readers);
+criterion_group!(benches, bake, patch, rays, tree, readers);
 criterion_main!(benches);
 
 /// A ball over a floor: about 4,000 vertices.
@@ -48,6 +48,30 @@ fn bake(criterion: &mut Criterion) {
                 });
             });
         }
+    }
+}
+
+/// The paper's bumps, 64 × 64: rays of stone, paths of wax.
+fn patch(criterion: &mut Criterion) {
+    let field = HeightField::bumps(64, 0.15).expect("the pattern is valid");
+    let cases = [
+        ("stone/0-bounces", PatchOptions { rays_per_texel: 256, ..PatchOptions::default() }),
+        ("stone/1-bounces", PatchOptions { rays_per_texel: 256, bounces: 1, ..PatchOptions::default() }),
+        ("wax/thin", PatchOptions { rays_per_texel: 16, ..PatchOptions::thin() }),
+        ("wax/thick", PatchOptions { rays_per_texel: 16, ..PatchOptions::thick() }),
+    ];
+    let mut group = criterion.benchmark_group("prt-bake/patch");
+    group.sample_size(10);
+    for (name, options) in cases {
+        let (_, report) = bake_patch(&field, &options, &()).expect("options are valid");
+        group.throughput(Throughput::Elements(report.rays_traced));
+        group.bench_function(format!("bumps-64/{name}"), |b| {
+            let mut seed = 0;
+            b.iter(|| {
+                seed += 1;
+                bake_patch(black_box(&field), &PatchOptions { seed, ..options.clone() }, &())
+            });
+        });
     }
 }
 

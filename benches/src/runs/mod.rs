@@ -3,6 +3,7 @@
 mod error_against_order;
 mod error_against_rays;
 mod exponential;
+mod ldprt_scattering;
 mod numbers;
 mod peers;
 mod rotation_trade;
@@ -49,6 +50,11 @@ pub const RUNS: &[Run] = &[
         name: "sh/exponential",
         what: "error and time of the exponential of expansions, by method and order, for sets of blockers",
         run: exponential::run,
+    },
+    Run {
+        name: "ldprt/scattering",
+        what: "random walks in a translucent patch: slabs beside the adding-doubling method, error and time against paths",
+        run: ldprt_scattering::run,
     },
     Run {
         name: "kkp/trade",
