@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use glam::{Quat, Vec3};
-use prt_bake::BakeOptions;
-use prt_gpu::Frame;
+use prt_bake::{BakeOptions, Medium};
+use prt_gpu::{Evaluation, Frame};
 use sh_core::Order;
 
 use crate::camera::{Camera, DEFAULT_FOV, Orbit, Side};
@@ -135,6 +135,47 @@ pub(crate) fn samples(text: &str) -> Result<u32, String> {
     ranged(text, 1, 4)
 }
 
+/// Lobes of a fit.
+pub(crate) fn lobes(text: &str) -> Result<usize, String> {
+    ranged(text, 1, sh_fit::FitOptions::MAX_LOBES)
+}
+
+/// How strongly lobes of neighbours are drawn together.
+pub(crate) fn strength(text: &str) -> Result<f64, String> {
+    ranged(text, 0.0, 1e6)
+}
+
+/// Height or depth of a relief, in tile widths.
+pub(crate) fn relief(text: &str) -> Result<f32, String> {
+    ranged(text, 0.0, 100.0)
+}
+
+/// Scattering or absorption: one coefficient, or three.
+pub(crate) fn coefficients(text: &str) -> Result<[f32; 3], String> {
+    let parts: Result<Vec<f32>, _> = text.split(',').map(|part| ranged(part.trim(), 0.0, Medium::MAX_SIGMA)).collect();
+    match parts?.as_slice() {
+        &[all] => Ok([all; 3]),
+        &[red, green, blue] => Ok([red, green, blue]),
+        _ => Err("one coefficient, or three with commas between them, are needed".to_owned()),
+    }
+}
+
+/// Mean cosine of scattering.
+pub(crate) fn asymmetry(text: &str) -> Result<f32, String> {
+    ranged(text, -Medium::MAX_G, Medium::MAX_G)
+}
+
+/// Index of refraction.
+pub(crate) fn refraction(text: &str) -> Result<f32, String> {
+    let [least, most] = Medium::IOR;
+    ranged(text, least, most)
+}
+
+/// Rows of glossy transfer.
+pub(crate) fn rows(text: &str) -> Result<usize, String> {
+    ranged(text, 1, 64)
+}
+
 /// Degrees between the neighbouring faces of a crease.
 pub(crate) fn crease(text: &str) -> Result<f32, String> {
     ranged(text, 0.0, 180.0)
@@ -164,6 +205,31 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 
 pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     ranged(text, -36_000.0, 36_000.0)
+}
+
+/// Height of a wave, as a part of the length of a model.
+pub(crate) fn amplitude(text: &str) -> Result<f32, String> {
+    ranged(text, -10.0, 10.0)
+}
+
+/// A time from 0 on.
+pub(crate) fn seconds(text: &str) -> Result<f32, String> {
+    ranged(text, 0.0, 1e6)
+}
+
+/// Size of a table of the light, or `direct`.
+pub(crate) fn evaluation(text: &str) -> Result<Evaluation, String> {
+    if text.eq_ignore_ascii_case("direct") {
+        return Ok(Evaluation::Direct);
+    }
+    let Size { width, height } = size(text).map_err(|error| format!("{error}, or direct"))?;
+    let evaluation = Evaluation::Table { width: width as usize, height: height as usize };
+    evaluation.check().map(|()| evaluation).map_err(|error| error.to_string())
+}
+
+/// Tiles of a texture along one side.
+pub(crate) fn tiles(text: &str) -> Result<usize, String> {
+    ranged(text, 1, 1000)
 }
 
 /// Three numbers between 0 and 1.

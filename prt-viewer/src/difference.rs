@@ -48,6 +48,17 @@ impl Difference {
     }
 }
 
+/// `|a − b| / |b|`, L2 over all pixels and channels.
+///
+/// # Errors
+/// If the sizes differ or there are no pixels.
+pub(crate) fn relative_l2(a: &Image, b: &Image) -> anyhow::Result<f64> {
+    let Difference { mse, .. } = Difference::new(a, b, None)?;
+    let values = b.pixels.as_flattened();
+    let signal = values.iter().map(|&value| f64::from(value).powi(2)).sum::<f64>() / values.len() as f64;
+    Ok(if signal > 0.0 { (mse / signal).sqrt() } else { 0.0 })
+}
+
 /// `scale · |a − b|` per channel.
 pub(crate) fn picture(a: &Image, b: &Image, scale: f32) -> Image {
     let pixel = |(a, b): (&[f32; 3], &[f32; 3])| std::array::from_fn(|i| scale * (a[i] - b[i]).abs());

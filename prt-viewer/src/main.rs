@@ -1,18 +1,25 @@
 //! The program `prt`: bakes how a scene answers light, once, and relights it in real time.
 
 mod arguments;
+mod base_surface;
 mod camera;
 mod cancel;
 mod demo_scene;
 mod difference;
+mod gloss;
 mod laps;
 mod lighting;
+mod lobes;
 mod memory;
+mod model;
+mod motion;
 mod output;
 mod output_file;
 mod picture;
 mod progress_bar;
+mod renderer;
 mod shading;
+mod showcase;
 mod sky;
 mod verb;
 mod window;
@@ -32,12 +39,14 @@ struct Cli {
     #[command(subcommand)]
     verb: Option<Verb>,
     #[command(flatten)]
-    demo: verb::demo::Arguments,
+    main_job: verb::main_job::Arguments,
 }
 
 #[derive(Debug, clap::Subcommand)]
 enum Verb {
     Bake(verb::bake::Arguments),
+    Fit(verb::fit::Arguments),
+    Demo(verb::demo::Arguments),
     Render(verb::render::Arguments),
     View(verb::view::Arguments),
     Compare(verb::compare::Arguments),
@@ -47,8 +56,10 @@ enum Verb {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.verb {
-        None => verb::demo::run(&cli.demo),
+        None => verb::main_job::run(&cli.main_job),
         Some(Verb::Bake(arguments)) => verb::bake::run(arguments),
+        Some(Verb::Fit(arguments)) => verb::fit::run(arguments),
+        Some(Verb::Demo(arguments)) => verb::demo::run(arguments),
         Some(Verb::Render(arguments)) => verb::render::run(arguments),
         Some(Verb::View(arguments)) => verb::view::run(arguments),
         Some(Verb::Compare(arguments)) => verb::compare::run(arguments),

@@ -62,6 +62,26 @@ impl Progress for BakeBar {
     }
 }
 
+/// Shows the progress of a fit. Draws nothing if the standard error is not a terminal.
+#[derive(Debug)]
+pub(crate) struct FitBar(ProgressBar);
+
+impl FitBar {
+    pub(crate) fn new(points: usize) -> Self {
+        let bar = ProgressBar::new(points as u64).with_prefix("lobes");
+        bar.set_style(style());
+        Self(bar)
+    }
+
+    pub(crate) fn advance(&self, points: usize) {
+        self.0.inc(points as u64);
+    }
+
+    pub(crate) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
 fn style() -> ProgressStyle {
     let template = "{prefix:>9} {bar:32} {percent:>3}% of {human_len} vertices{msg}, {eta} left";
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())

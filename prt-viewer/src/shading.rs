@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 
 use anyhow::bail;
-use prt_bake::{BakedSurface, TransferVectors};
-use prt_gpu::{Frame, Gpu, Surface, SurfaceRenderer, View, cpu};
+use prt_bake::{BakedSurface, Geometry, TransferVectors, ZonalTransfer};
+use prt_gpu::{Evaluation, Frame, Gpu, LobeSurface, LobeTexture, Surface, TexturedSurface, View, cpu};
 use sh_core::Order;
 
-use crate::output;
+use crate::model::{Content, Model};
+use crate::renderer::Renderer;
+use crate::{lobes, output};
 
 /// What shades and draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -18,25 +20,29 @@ pub(crate) enum Backend {
     Cpu,
 }
 
-/// Which light paths are shown.
+/// Which light paths are shown, and how transfer follows a deformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
 pub(crate) enum Part {
-    /// All that was baked.
+    /// All that was baked; lobes turn with the surface.
     Full,
     /// Direct light with shadows, no interreflections.
     Shadowed,
-    /// Direct light without shadows.
+    /// Direct light without shadows, from the normals of the pose.
     Unshadowed,
+    /// Lobes as they were baked, not turned with the surface: wrong on purpose, for comparison.
+    Undeformed,
+    /// Transfer traced anew in this pose: the truth, and slow.
+    Traced,
 }
 
 impl Part {
-    /// The transfer of this part.
+    /// Transfer vectors of this part.
     ///
     /// # Errors
     /// If the file does not hold it.
-    pub(crate) fn transfer(self, baked: &BakedSurface) -> anyhow::Result<Cow<'_, TransferVectors>> {
+    pub(crate) fn vectors(self, baked: &BakedSurface) -> anyhow::Result<Cow<'_, TransferVectors>> {
         match (self, &baked.transfer_shadowed) {
-            (Self::Full, _) => Ok(Cow::Borrowed(&baked.transfer)),
+            (Self::Full | Self::Undeformed, _) => Ok(Cow::Borrowed(&baked.transfer)),
             (Self::Unshadowed, _) => Ok(Cow::Owned(baked.unshadowed())),
             (Self::Shadowed, Some(shadowed)) => Ok(Cow::Borrowed(shadowed)),
             (Self::Shadowed, None) if baked.metadata.shadowed && baked.metadata.bounces == 0 => {
@@ -46,20 +52,64 @@ impl Part {
                 bail!("it holds no shadowed transfer without interreflections: bake with --keep-shadowed")
             }
             (Self::Shadowed, None) => bail!("it was baked without shadows"),
+            (Self::Traced, _) => bail!("traced transfer is not in a file"),
         }
     }
 }
 
-/// A surface with one part of its transfer, ready to be shaded.
-///
-/// # Errors
-/// If the arrays contradict one another.
-pub(crate) fn surface<'a>(
-    baked: &'a BakedSurface,
-    transfer: &'a TransferVectors,
-) -> Result<Surface<'a>, prt_gpu::Error> {
-    let prt_bake::Geometry { positions, triangles, albedo, .. } = &baked.geometry;
-    Surface::new(positions, triangles, albedo, transfer.order, transfer.channels, &transfer.values)
+/// The transfer of one part of a model.
+#[derive(Debug, Clone)]
+pub(crate) enum PartTransfer<'a> {
+    /// At each vertex.
+    Vectors(Cow<'a, TransferVectors>),
+    /// At each vertex, turned by frames.
+    Lobes(Cow<'a, ZonalTransfer>),
+    /// At each texel, turned by frames.
+    Textured(Cow<'a, ZonalTransfer>),
+}
+
+/// Everything that a picture needs but the light and the view.
+#[derive(Debug)]
+pub(crate) enum Drawing<'a> {
+    Vectors(Surface<'a>),
+    Lobes { surface: LobeSurface<'a>, frames: &'a [[[f32; 3]; 3]] },
+    Textured { surface: TexturedSurface<'a>, frames: &'a [[[f32; 3]; 3]] },
+}
+
+impl<'a> Drawing<'a> {
+    /// A part of a model in a pose, ready to be shaded.
+    ///
+    /// - `frames`: of the part in the pose
+    ///
+    /// # Errors
+    /// If the arrays contradict one another.
+    pub(crate) fn new(
+        model: &'a Model,
+        transfer: &'a PartTransfer<'_>,
+        positions: &'a [[f32; 3]],
+        frames: &'a [[[f32; 3]; 3]],
+    ) -> Result<Self, prt_gpu::Error> {
+        let Geometry { triangles, albedo, uvs, .. } = model.geometry();
+        match transfer {
+            PartTransfer::Vectors(transfer) => {
+                let TransferVectors { order, channels, values } = transfer.as_ref();
+                Surface::new(positions, triangles, albedo, *order, *channels, values).map(Self::Vectors)
+            }
+            PartTransfer::Lobes(transfer) => {
+                let surface = LobeSurface::new(positions, triangles, albedo, lobes::shaded(transfer)?)?;
+                Ok(Self::Lobes { surface, frames })
+            }
+            PartTransfer::Textured(transfer) => {
+                let Content::Textured(textured) = &model.content else { unreachable!("only textures have texels") };
+                let texture = &textured.texture;
+                let texture = LobeTexture::new(texture.width, texture.height, None, lobes::shaded(transfer)?)?;
+                let uvs = uvs.as_deref().unwrap_or_default();
+                let surface = TexturedSurface::new(positions, triangles, uvs, albedo, texture)?
+                    .with_repeat(textured.repeat.map(|tiles| tiles as f32))?;
+                Ok(Self::Textured { surface, frames })
+            }
+        }
+    }
 }
 
 /// A frame, and what made it.
@@ -72,34 +122,51 @@ pub(crate) struct Shaded {
     pub(crate) adapter: Option<String>,
 }
 
+/// What a drawing is lit by and seen from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shot<'a> {
+    /// `[3, k²]` for the `order` of `k` bands in use.
+    pub(crate) light: &'a [f32],
+    pub(crate) order: Order,
+    pub(crate) eye: [f32; 3],
+    pub(crate) evaluation: Evaluation,
+    pub(crate) view: &'a View,
+}
+
 /// Shades and draws.
-///
-/// - `light`: `[3, k²]` for the `order` of `k` bands in use
 ///
 /// # Errors
 /// If the order is above that of the surface, the view is impossible, or the GPU that was insisted on fails.
-pub(crate) fn shade(
-    surface: &Surface<'_>,
-    light: &[f32],
-    order: Order,
-    view: &View,
-    backend: Backend,
-) -> anyhow::Result<Shaded> {
+pub(crate) fn shade(drawing: &Drawing<'_>, shot: &Shot<'_>, backend: Backend) -> anyhow::Result<Shaded> {
     if backend != Backend::Cpu {
-        match on_gpu(surface, light, order, view) {
+        match on_gpu(drawing, shot) {
             Ok(shaded) => return Ok(shaded),
             Err(error) if backend == Backend::Gpu => return Err(error.into()),
             Err(error) => output::note(format_args!("shading on the CPU: {}", first_line(&error.to_string()))),
         }
     }
-    Ok(Shaded { frame: cpu::render(surface, light, order, view)?, backend: "cpu", adapter: None })
+    Ok(Shaded { frame: on_cpu(drawing, shot)?, backend: "cpu", adapter: None })
 }
 
-fn on_gpu(surface: &Surface<'_>, light: &[f32], order: Order, view: &View) -> Result<Shaded, prt_gpu::Error> {
+fn on_cpu(drawing: &Drawing<'_>, shot: &Shot<'_>) -> Result<Frame, prt_gpu::Error> {
+    let Shot { light, order, eye, evaluation, view } = *shot;
+    match drawing {
+        Drawing::Vectors(surface) => cpu::render(surface, light, order, view),
+        Drawing::Lobes { surface, frames } => {
+            cpu::render_lobes(surface, frames, light, order, Some(eye), evaluation, view)
+        }
+        Drawing::Textured { surface, frames } => {
+            cpu::render_textured(surface, frames, light, order, Some(eye), evaluation, view)
+        }
+    }
+}
+
+fn on_gpu(drawing: &Drawing<'_>, shot: &Shot<'_>) -> Result<Shaded, prt_gpu::Error> {
     let gpu = Gpu::headless()?;
-    let mut renderer = SurfaceRenderer::new(&gpu, surface)?;
-    renderer.set_light(light, order)?;
-    let frame = renderer.render(view)?;
+    let mut renderer = Renderer::new(&gpu, drawing)?;
+    renderer.set_evaluation(shot.evaluation)?;
+    renderer.set_light(shot.light, shot.order)?;
+    let frame = renderer.render(shot.view, shot.eye)?;
     Ok(Shaded { frame, backend: "gpu", adapter: Some(gpu.adapter_name()) })
 }
 

@@ -6,24 +6,27 @@ use prt_bake::{
 use serde::Serialize;
 use sh_core::Order;
 
+use super::bake_patch::{self, Common, Origin, PatchArguments};
 use crate::laps::Laps;
 use crate::progress_bar::BakeBar;
 use crate::{arguments, cancel, memory, output, output_file};
 
-/// Bakes how a mesh answers light into a .prt file
+/// Bakes how a mesh or a relief answers light into a .prt file
 ///
-/// Reads .glb, .gltf, .obj, .ply and .off. Ctrl-C stops without leaving a file.
+/// Meshes are .glb, .gltf, .obj, .ply and .off. An image is a height field, as is one of the built-in patterns bumps, weave, waffle and
+/// swirl: it becomes a texture of zonal lobes (.prt, or .exr with named channels) that tiles and can be laid over any surface. Ctrl-C
+/// stops without leaving a file.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// The mesh
+    /// The mesh, or the height field
     scene: PathBuf,
-    /// The baked file; by default the name of the mesh with .prt, in the current folder
+    /// The baked file; by default the name of the scene with .prt, in the current folder
     #[arg(short, long, value_name = "OUT.prt")]
     output: Option<PathBuf>,
     /// Bands of spherical harmonics, 1 to 32: n² coefficients per vertex
     #[arg(long, value_name = "N", default_value = "6", value_parser = arguments::order)]
     order: Order,
-    /// Rays per vertex, over the hemisphere
+    /// Rays per vertex or texel, over the hemisphere
     #[arg(long, value_name = "COUNT", default_value = "4096", value_parser = arguments::rays)]
     rays: usize,
     /// Diffuse interreflections to follow
@@ -50,14 +53,34 @@ pub(crate) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    patch: PatchArguments,
+}
+
+/// The name of the scene with `.prt`, in the current folder.
+pub(crate) fn default_output(scene: &Path) -> PathBuf {
+    let stem = scene.file_stem().unwrap_or(scene.as_os_str());
+    Path::new(stem).with_extension("prt")
 }
 
 impl Arguments {
     fn output(&self) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| {
-            let stem = self.scene.file_stem().unwrap_or(self.scene.as_os_str());
-            Path::new(stem).with_extension("prt")
-        })
+        self.output.clone().unwrap_or_else(|| default_output(&self.scene))
+    }
+
+    /// What a height field takes of the options.
+    fn common(&self) -> Common {
+        Common {
+            output: self.output.clone(),
+            order: self.order,
+            rays: self.rays,
+            bounces: self.bounces,
+            seed: self.seed,
+            threads: self.threads,
+            shadowed: !self.unshadowed,
+            albedo: self.albedo,
+            json: self.json,
+        }
     }
 
     fn mesh_options(&self) -> MeshOptions {
@@ -125,6 +148,9 @@ struct Report {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.unshadowed && arguments.bounces > 0 {
         return Err(output::usage("--bounces needs shadowed transfer: leave out --unshadowed"));
+    }
+    if let Some(origin) = Origin::of(&arguments.scene) {
+        return bake_patch::run(&arguments.scene, &origin, &arguments.patch, &arguments.common());
     }
     let mut laps = Laps::start();
     let output = arguments.output();

@@ -1,169 +1,219 @@
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 
 use anyhow::Context;
-use glam::{Quat, Vec3};
-use prt_bake::{BakeOptions, BakeReport, BakedSurface, Mesh, MeshOptions};
-use prt_gpu::View;
+use glam::Vec3;
+use prt_bake::{Image, Progress};
+use prt_gpu::{Evaluation, View};
 use serde::Serialize;
 use sh_core::Order;
 
-use crate::arguments::Size;
-use crate::camera::{Camera, Orbit, Sphere};
-use crate::demo_scene::demo_scene;
+use crate::arguments::{self, LightArguments, Size};
+use crate::camera::{Camera, DEFAULT_FOV, Orbit, Side, Sphere};
+use crate::difference::{Difference, relative_l2};
 use crate::laps::Laps;
 use crate::lighting::Lighting;
-use crate::picture::{self, Backdrop};
-use crate::shading::{self, Backend, Shaded};
-use crate::window::{self, Subject};
-use crate::{arguments, cancel, output, output_file};
+use crate::progress_bar::BakeBar;
+use crate::shading::{self, Backend, Drawing, Part, Shot};
+use crate::showcase::{Effort, Exhibit, Name};
+use crate::{cancel, output, output_file, picture};
 
-const SIZE: Size = Size { width: 1280, height: 800 };
-const SAMPLES: u32 = 3;
-/// Stops: the things of the scene are darker than the white that a sky is made for.
-const EXPOSURE: f32 = 0.5;
-/// The picture and the baked file of the main job, in the current folder.
-const PICTURE: &str = "prt-demo.png";
-const BAKED: &str = "prt-demo.prt";
-
-/// The main job: what `prt` does without a verb.
+/// Shows zonal lobes on things that deform, beside ray tracing
+///
+/// Each row of the picture is one thing in one pose: unshadowed, lobes as they were baked (wrong on purpose), lobes that turn with
+/// the surface, and transfer traced anew. What is printed is how far each is from the traced picture, as the L2 norm of the difference over
+/// that of the picture.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// Without a verb: open no window
-    #[arg(long)]
-    no_window: bool,
-    /// Without a verb: what draws the picture
+    /// What to show
+    #[arg(value_enum)]
+    name: Name,
+    /// The picture; by default prt-demo-NAME.png in the current folder
+    #[arg(short, long, value_name = "OUT.png|exr", value_parser = arguments::picture_file)]
+    output: Option<PathBuf>,
+    /// A mesh in place of our own head
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
+    /// Bands of spherical harmonics
+    #[arg(long, value_name = "N", default_value = "6", value_parser = arguments::order)]
+    order: Order,
+    /// Lobes per vertex or texel
+    #[arg(long, value_name = "N", default_value = "4", value_parser = arguments::lobes)]
+    lobes: usize,
+    /// Rays per vertex or texel, for lobes and for the truth
+    #[arg(long, value_name = "COUNT", default_value = "1024", value_parser = arguments::rays)]
+    rays: usize,
+    /// The environment: as for render
+    #[arg(long, value_name = "FILE", default_value = "sky")]
+    env: PathBuf,
+    #[command(flatten)]
+    light: LightArguments,
+    /// Size of one picture
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "384x384", value_parser = arguments::size)]
+    size: Size,
+    /// Brightness of a .png in stops
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = arguments::stops, allow_hyphen_values = true)]
+    exposure: f32,
+    /// What draws
     #[arg(long, value_enum, default_value = "auto")]
     backend: Backend,
-    /// Without a verb: rays per vertex
-    #[arg(long, value_name = "COUNT", default_value = "896", value_parser = arguments::rays)]
-    rays: usize,
-    /// Without a verb: print one JSON object, before the window opens
+    /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
+/// The columns of the picture.
+const PARTS: [Part; 4] = [Part::Unshadowed, Part::Undeformed, Part::Full, Part::Traced];
+const SAMPLES: u32 = 2;
+
 #[derive(Debug, Serialize)]
-struct Seconds {
-    bake: f64,
-    render: f64,
-    /// From the start of the program to the picture.
-    total: f64,
+struct Row {
+    name: String,
+    vertices: usize,
+    /// What the lobes leave of the transfer that they were fitted to; `null` where they are a closed form.
+    fit_error: Option<f64>,
+    /// L2 distance from the traced picture over its L2 norm; `null` where nothing can be traced.
+    unshadowed: Option<f64>,
+    undeformed: Option<f64>,
+    lobes: Option<f64>,
+    /// `relmse` of the lobes' picture, as `compare` has it.
+    relmse: Option<f64>,
+    seconds: f64,
 }
 
 #[derive(Debug, Serialize)]
 struct Report {
-    picture: &'static str,
-    baked: &'static str,
-    vertices: usize,
-    triangles: usize,
+    output: String,
     order: usize,
-    bounces: usize,
-    rays_traced: u64,
-    mrays_per_second: f64,
-    backend: &'static str,
-    adapter: Option<String>,
-    seconds: Seconds,
+    lobes: usize,
+    rays: usize,
+    rows: Vec<Row>,
+    seconds: f64,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut laps = Laps::start();
-    output_file::check(Path::new(PICTURE))?;
-    output_file::check(Path::new(BAKED))?;
+    let output = arguments.output.clone().unwrap_or_else(|| default_output(arguments.name));
+    output_file::check(&output)?;
     cancel::listen()?;
-
-    output::note("baking the built-in scene");
-    let (baked, bake_report) = bake(arguments.rays)?;
-    baked.write(Path::new(BAKED))?;
-    cancel::check()?;
-    let bake_seconds = laps.lap();
-
-    let camera = camera();
-    let lightings = super::view::lightings(&[], baked.transfer.order)?;
-    let shaded =
-        shade(&baked, &lightings[0], &camera, arguments.backend).context("cannot render the built-in scene")?;
-    let backdrop = Backdrop { lighting: &lightings[0], scene_from_environment: Quat::IDENTITY, camera: &camera };
-    picture::save(&picture::develop(&shaded.frame, Some(&backdrop)), Path::new(PICTURE), EXPOSURE)?;
-    cancel::stop_listening();
-
+    let lighting = Lighting::load(&arguments.env, arguments.order)?;
+    let effort = Effort { order: arguments.order, lobes: arguments.lobes, rays: arguments.rays };
+    let exhibits = arguments.name.exhibits(effort, arguments.mesh.as_deref())?;
+    let (mut rows, mut pictures) = (Vec::new(), Vec::new());
+    laps.lap();
+    for exhibit in &exhibits {
+        let images = show(arguments, exhibit, &lighting).with_context(|| format!("cannot show {}", exhibit.name))?;
+        rows.push(row(exhibit, &images, laps.lap())?);
+        pictures.push(images);
+    }
+    picture::save(&sheet(&pictures, arguments.size), &output, arguments.exposure)?;
     let report = Report {
-        picture: PICTURE,
-        baked: BAKED,
-        vertices: baked.geometry.positions.len(),
-        triangles: baked.geometry.triangles.len(),
-        order: baked.transfer.order.get(),
-        bounces: baked.metadata.bounces,
-        rays_traced: bake_report.rays_traced,
-        mrays_per_second: super::bake::mrays_per_second(&bake_report),
-        backend: shaded.backend,
-        adapter: shaded.adapter,
-        seconds: Seconds { bake: bake_seconds, render: laps.lap(), total: laps.total() },
+        output: output.display().to_string(),
+        order: arguments.order.get(),
+        lobes: arguments.lobes,
+        rays: arguments.rays,
+        rows,
+        seconds: laps.total(),
     };
-    output::result(arguments.json, &report, || summary(&report))?;
-    if !arguments.no_window {
-        open_window(baked, lightings, &camera);
+    output::result(arguments.json, &report, || summary(&report))
+}
+
+fn default_output(name: Name) -> PathBuf {
+    let name = clap::ValueEnum::to_possible_value(&name).map_or_else(String::new, |value| value.get_name().to_owned());
+    PathBuf::from(format!("prt-demo-{name}.png"))
+}
+
+/// The pictures of an exhibit, one for each of [`PARTS`]; the last is missing where nothing can be traced.
+fn show(arguments: &Arguments, exhibit: &Exhibit, lighting: &Lighting) -> anyhow::Result<Vec<Image>> {
+    let bar = BakeBar::new();
+    let parts = PARTS.iter().filter(|part| exhibit.has_truth || **part != Part::Traced);
+    let images = parts.map(|part| draw(arguments, exhibit, lighting, *part, &bar)).collect();
+    bar.finish();
+    images
+}
+
+fn draw(
+    arguments: &Arguments,
+    exhibit: &Exhibit,
+    lighting: &Lighting,
+    part: Part,
+    progress: &dyn Progress,
+) -> anyhow::Result<Image> {
+    let Exhibit { model, motion, .. } = exhibit;
+    let posed = model.pose(motion);
+    let frames = model.frames(part, &posed);
+    let transfer = model.transfer(part, motion, arguments.rays, progress)?;
+    let drawing = Drawing::new(model, &transfer, &posed.positions, &frames)?;
+    let camera = camera(exhibit.from, &posed.positions, arguments.size);
+    let Size { width, height } = arguments.size;
+    let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&posed.positions));
+    let view = View::new(clip_from_world.to_cols_array_2d(), width, height, SAMPLES)?;
+    let order = arguments.order;
+    let light = lighting.light(order, arguments.light.scene_from_environment());
+    let (eye, evaluation) = (camera.eye.to_array(), Evaluation::default());
+    let shot = Shot { light: &light, order, eye, evaluation, view: &view };
+    Ok(picture::develop(&shading::shade(&drawing, &shot, arguments.backend)?.frame, None))
+}
+
+/// Frames an object from a direction.
+fn camera(from: Vec3, positions: &[[f32; 3]], size: Size) -> Camera {
+    let start = Orbit::framing(positions, Side::Front, Vec3::Y, DEFAULT_FOV, size.aspect());
+    let camera = start.camera();
+    let distance = camera.eye.distance(camera.target) * 1.05;
+    Camera { eye: camera.target + distance * from.normalize(), ..camera }
+}
+
+fn row(exhibit: &Exhibit, images: &[Image], seconds: f64) -> anyhow::Result<Row> {
+    let truth = images.get(3);
+    let error = |column: usize| truth.map(|truth| relative_l2(&images[column], truth)).transpose();
+    let relmse = truth.map(|truth| Difference::new(&images[2], truth, None)).transpose()?;
+    Ok(Row {
+        name: exhibit.name.clone(),
+        vertices: exhibit.model.geometry().vertex_count(),
+        fit_error: exhibit.model.metadata().fit_error,
+        unshadowed: error(0)?,
+        undeformed: error(1)?,
+        lobes: error(2)?,
+        relmse: relmse.map(|difference| difference.relmse),
+        seconds,
+    })
+}
+
+/// All pictures, a row for each exhibit.
+fn sheet(rows: &[Vec<Image>], size: Size) -> Image {
+    let [width, height] = [size.width, size.height].map(|side| side as usize);
+    let columns = rows.iter().map(Vec::len).max().unwrap_or_default();
+    let mut sheet = Image {
+        width: columns * width,
+        height: rows.len() * height,
+        pixels: vec![[0.0; 3]; columns * width * rows.len() * height],
+    };
+    for (row, images) in rows.iter().enumerate() {
+        for (column, image) in images.iter().enumerate() {
+            for (y, line) in image.pixels.chunks_exact(width).enumerate() {
+                let start = (row * height + y) * sheet.width + column * width;
+                sheet.pixels[start..start + width].copy_from_slice(line);
+            }
+        }
     }
-    Ok(())
-}
-
-fn bake(rays_per_vertex: usize) -> anyhow::Result<(BakedSurface, BakeReport)> {
-    let (mesh, _) = Mesh::new(demo_scene(), &MeshOptions::default()).context("cannot build the built-in scene")?;
-    let options = BakeOptions {
-        order: Order::new(6)?,
-        rays_per_vertex,
-        bounces: 2,
-        keep_shadowed: true,
-        ..BakeOptions::default()
-    };
-    super::bake::bake(&mesh, &options, "the built-in scene")
-}
-
-/// From the front and above, with the whole plate in the picture.
-fn camera() -> Camera {
-    Camera { eye: Vec3::new(0.9, 2.2, 6.2), target: Vec3::new(0.0, 0.62, 0.0), up: Vec3::Y, fov: 30_f32.to_radians() }
-}
-
-fn shade(baked: &BakedSurface, lighting: &Lighting, camera: &Camera, backend: Backend) -> anyhow::Result<Shaded> {
-    let order = baked.transfer.order;
-    let light = lighting.light(order, Quat::IDENTITY);
-    let clip_from_world = camera.clip_from_world(SIZE.aspect(), Sphere::around(&baked.geometry.positions));
-    let view = View::new(clip_from_world.to_cols_array_2d(), SIZE.width, SIZE.height, SAMPLES)?;
-    shading::shade(&shading::surface(baked, &baked.transfer)?, &light, order, &view, backend)
-}
-
-/// The picture is written: a machine without a display has done the job.
-fn open_window(baked: BakedSurface, lightings: Vec<Lighting>, camera: &Camera) {
-    let mut orbit = Orbit::through(camera);
-    // As far away as all that the picture shows is beside the panel.
-    orbit.zoom(SIZE.aspect() / window::picture_aspect(SIZE), Sphere::around(&baked.geometry.positions));
-    let subject = Subject {
-        path: PathBuf::from(BAKED),
-        baked: Arc::new(baked),
-        lightings,
-        scene_from_environment: Quat::IDENTITY,
-        orbit,
-        exposure: EXPOSURE,
-    };
-    if let Err(error) = window::open(subject, SIZE, None) {
-        output::note(format_args!("no window: {}; the picture is in {PICTURE}", output::one_line(&error)));
-    }
+    sheet
 }
 
 fn summary(report: &Report) -> String {
-    let place = match &report.adapter {
-        Some(adapter) => format!("the GPU {adapter}"),
-        None => "the CPU".to_owned(),
-    };
-    format!(
-        "baked {} vertices, order {}, {} bounces: {} rays in {:.1} s ({:.1} Mrays/s)\nwrote {} (drawn by {place}) and {}, {:.1} s after the start",
-        output::count(report.vertices as u64),
-        report.order,
-        report.bounces,
-        output::count(report.rays_traced),
-        report.seconds.bake,
-        report.mrays_per_second,
-        report.picture,
-        report.baked,
-        report.seconds.total
-    )
+    let percent = |error: Option<f64>| error.map_or("-".to_owned(), |error| format!("{:.1} %", 100.0 * error));
+    let mut text = format!(
+        "{:<22} {:>9} {:>9} {:>11} {:>11} {:>9}\n",
+        "distance from truth", "vertices", "fit", "unshadowed", "undeformed", "lobes"
+    );
+    for row in &report.rows {
+        text += &format!(
+            "{:<22} {:>9} {:>9} {:>11} {:>11} {:>9}\n",
+            row.name,
+            output::count(row.vertices as u64),
+            percent(row.fit_error),
+            percent(row.unshadowed),
+            percent(row.undeformed),
+            percent(row.lobes)
+        );
+    }
+    text + &format!("wrote {} after {:.1} s", report.output, report.seconds)
 }

@@ -1,9 +1,9 @@
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
-use prt_bake::BakedSurface;
-use prt_gpu::View;
+use prt_anim::Deformed;
+use prt_gpu::{Evaluation, View};
 use serde::Serialize;
 use sh_core::Order;
 
@@ -11,8 +11,11 @@ use crate::arguments::{self, CameraArguments, LightArguments, Size};
 use crate::camera::{Camera, Sphere};
 use crate::laps::Laps;
 use crate::lighting::Lighting;
+use crate::model::{Model, ModelArguments};
+use crate::motion::{Motion, MotionArguments};
 use crate::picture::{self, Backdrop};
-use crate::shading::{self, Backend, Part, Shaded};
+use crate::progress_bar::BakeBar;
+use crate::shading::{self, Backend, Drawing, Part, Shaded, Shot};
 use crate::{output, output_file};
 
 /// Renders a baked file under an environment
@@ -20,8 +23,8 @@ use crate::{output, output_file};
 /// Without a camera the whole object is framed, from the front, the right and above. Without a usable GPU the CPU draws, and says so.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// The baked file
-    file: PathBuf,
+    #[command(flatten)]
+    model: ModelArguments,
     /// The environment: a latitude-longitude .hdr or .exr, a folder with the faces px nx py ny pz nz of a cube map, or the name of a
     /// built-in one: sky, sunset, studio, white
     #[arg(long, value_name = "FILE", default_value = "sky")]
@@ -31,9 +34,17 @@ pub(crate) struct Arguments {
     /// Bands to use; by default all that are baked
     #[arg(long, value_name = "K", value_parser = arguments::order)]
     order: Option<Order>,
-    /// Which light paths to show
+    /// Which light paths to show, and how they follow a deformation
     #[arg(long, value_enum, default_value = "full")]
     part: Part,
+    /// Rays per vertex for --part traced
+    #[arg(long, value_name = "COUNT", default_value = "1024", value_parser = arguments::rays)]
+    rays: usize,
+    #[command(flatten)]
+    motion: MotionArguments,
+    /// How lobes are lit: from a table of the light of this size, or direct, which is exact and slower
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "64x32", value_parser = arguments::evaluation)]
+    table: Evaluation,
     #[command(flatten)]
     camera: CameraArguments,
     /// Size of the picture
@@ -108,9 +119,11 @@ impl CameraReport {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut laps = Laps::start();
     output_file::check(&arguments.output)?;
-    let baked = read(&arguments.file)?;
-    let order = used_order(arguments, &baked)?;
-    let camera = arguments.camera.camera(&baked.geometry.positions, arguments.size.aspect())?;
+    let mut model = arguments.model.read()?;
+    let motion = arguments.motion.apply(&mut model)?;
+    let posed = model.pose(&motion);
+    let order = used_order(arguments, &model)?;
+    let camera = arguments.camera.camera(&posed.positions, arguments.size.aspect())?;
     let load = laps.lap();
 
     let lighting = Lighting::load(&arguments.env, order)?;
@@ -118,8 +131,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
     let scene_from_environment = arguments.light.scene_from_environment();
     let light = lighting.light(order, scene_from_environment);
-    let shaded = shade(arguments, &baked, &light, order, &camera)
-        .with_context(|| format!("cannot render {}", arguments.file.display()))?;
+    let shaded = shade(arguments, &model, &motion, &posed, &light, order, &camera)
+        .with_context(|| format!("cannot render {}", arguments.model.file.display()))?;
     let shade = laps.lap();
 
     let backdrop = Backdrop { lighting: &lighting, scene_from_environment, camera: &camera };
@@ -129,7 +142,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let steps = Steps { load, environment, shade, write: laps.lap() };
 
     let report = Report {
-        file: arguments.file.to_string_lossy(),
+        file: arguments.model.file.to_string_lossy(),
         output: arguments.output.to_string_lossy(),
         env: arguments.env.to_string_lossy(),
         backend: shaded.backend,
@@ -139,8 +152,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         width: arguments.size.width,
         height: arguments.size.height,
         samples: arguments.samples,
-        vertices: baked.geometry.positions.len(),
-        triangles: baked.geometry.triangles.len(),
+        vertices: model.geometry().vertex_count(),
+        triangles: model.geometry().triangles.len(),
         order: order.get(),
         exposure,
         camera: CameraReport::new(&camera),
@@ -148,40 +161,37 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     output::result(arguments.json, &report, || summary(&report))
 }
 
-/// Reads a baked file; a mesh gets told what to do first.
-pub(crate) fn read(path: &Path) -> anyhow::Result<BakedSurface> {
-    const MESHES: [&str; 5] = ["glb", "gltf", "obj", "ply", "off"];
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let is_mesh = MESHES.iter().any(|mesh| extension.eq_ignore_ascii_case(mesh));
-    ensure!(!is_mesh, "cannot show {}: it is a mesh; bake it first, with `prt bake`", path.display());
-    let baked = BakedSurface::read(path)?;
-    ensure!(!baked.geometry.triangles.is_empty(), "cannot show {}: it has no triangles", path.display());
-    Ok(baked)
-}
-
-fn used_order(arguments: &Arguments, baked: &BakedSurface) -> anyhow::Result<Order> {
-    let stored = baked.transfer.order;
+fn used_order(arguments: &Arguments, model: &Model) -> anyhow::Result<Order> {
+    let stored = model.order();
     let order = arguments.order.unwrap_or(stored);
     ensure!(
         order <= stored,
         "cannot render {} to order {order}: it is baked to order {stored}",
-        arguments.file.display()
+        arguments.model.file.display()
     );
     Ok(order)
 }
 
+/// Shades and draws the model in its pose.
 fn shade(
     arguments: &Arguments,
-    baked: &BakedSurface,
+    model: &Model,
+    motion: &Motion,
+    posed: &Deformed,
     light: &[f32],
     order: Order,
     camera: &Camera,
 ) -> anyhow::Result<Shaded> {
-    let transfer = arguments.part.transfer(baked)?;
+    let bar = BakeBar::new();
+    let transfer = model.transfer(arguments.part, motion, arguments.rays, &bar);
+    bar.finish();
+    let (transfer, frames) = (transfer?, model.frames(arguments.part, posed));
+    let drawing = Drawing::new(model, &transfer, &posed.positions, &frames)?;
     let Size { width, height } = arguments.size;
-    let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&baked.geometry.positions));
+    let clip_from_world = camera.clip_from_world(arguments.size.aspect(), Sphere::around(&posed.positions));
     let view = View::new(clip_from_world.to_cols_array_2d(), width, height, arguments.samples)?;
-    shading::shade(&shading::surface(baked, &transfer)?, light, order, &view, arguments.backend)
+    let shot = Shot { light, order, eye: camera.eye.to_array(), evaluation: arguments.table, view: &view };
+    shading::shade(&drawing, &shot, arguments.backend)
 }
 
 fn summary(report: &Report<'_>) -> String {

@@ -7,6 +7,8 @@ use sh_core::Order;
 use crate::arguments::{self, CameraArguments, LightArguments, Size};
 use crate::camera::Orbit;
 use crate::lighting::Lighting;
+use crate::model::ModelArguments;
+use crate::motion::MotionArguments;
 use crate::sky::BuiltIn;
 use crate::window::{self, Capture, Subject};
 
@@ -17,8 +19,10 @@ use crate::window::{self, Capture, Subject};
 #[derive(Debug, clap::Args)]
 #[command(after_help = after_help())]
 pub(crate) struct Arguments {
-    /// The baked file
-    file: PathBuf,
+    #[command(flatten)]
+    model: ModelArguments,
+    #[command(flatten)]
+    motion: MotionArguments,
     /// Environments: latitude-longitude .hdr or .exr, or folders with the faces of a cube map. The built-in ones follow in the list
     #[arg(long, value_name = "FILE", num_args = 1..)]
     env: Vec<PathBuf>,
@@ -45,18 +49,20 @@ fn after_help() -> String {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let baked = super::render::read(&arguments.file)?;
+    let mut model = arguments.model.read()?;
+    let motion = arguments.motion.apply(&mut model)?;
     if let Some(reason) = window::no_display() {
         bail!("cannot open a window: {reason}; `prt render` writes a picture without one");
     }
-    let camera = arguments.camera.camera(&baked.geometry.positions, window::picture_aspect(arguments.size))?;
+    let camera = arguments.camera.camera(&model.pose(&motion).positions, window::picture_aspect(arguments.size))?;
     let subject = Subject {
-        path: arguments.file.clone(),
-        lightings: lightings(&arguments.env, baked.transfer.order)?,
+        path: arguments.model.file.clone(),
+        lightings: lightings(&arguments.env, model.order())?,
         scene_from_environment: arguments.light.scene_from_environment(),
         orbit: Orbit::through(&camera),
         exposure: arguments.exposure,
-        baked: Arc::new(baked),
+        model: Arc::new(model),
+        motion,
     };
     let capture = arguments.screenshot.clone().map(|path| Capture::new(path, arguments.frames));
     window::open(subject, arguments.size, capture)

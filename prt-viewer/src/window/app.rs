@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use eframe::egui::{self, Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, ViewportCommand, WidgetInfo, vec2};
 use eframe::egui_wgpu::{Callback, RenderState};
 use glam::Mat4;
-use prt_bake::BakedSurface;
 use prt_gpu::{Gpu, View};
 
 use super::capture::Capture;
@@ -17,6 +16,7 @@ use super::viewport::{Content, Painting, SharedViewport, Shot, Viewport, lock};
 use super::{Subject, describe};
 use crate::camera::Sphere;
 use crate::lighting::Lighting;
+use crate::model::Model;
 use crate::output_file;
 use crate::picture::{self, Backdrop};
 use crate::shading::Part;
@@ -27,6 +27,8 @@ const SAMPLES: u32 = 2;
 const STILL: f64 = 0.2;
 /// Side of the picture that automatic exposure is measured on, pixels.
 const EXPOSURE_SIDE: u32 = 256;
+/// The most that time goes on between two frames, seconds.
+const LONGEST_STEP: f32 = 0.1;
 /// Share of the last frame in the mean of the frame times.
 const SMOOTHING: f32 = 0.1;
 
@@ -37,7 +39,7 @@ pub(super) type Failure = Arc<Mutex<Option<anyhow::Error>>>;
 #[derive(Debug)]
 pub(super) struct App {
     path: PathBuf,
-    baked: Arc<BakedSurface>,
+    model: Arc<Model>,
     around: Sphere,
     parts: Vec<Part>,
     lightings: Vec<Arc<Lighting>>,
@@ -62,15 +64,16 @@ impl App {
         failure: Failure,
     ) -> Result<Self, prt_gpu::Error> {
         let gpu = Gpu::from_parts(state.device.clone(), state.queue.clone(), state.adapter.get_info())?;
-        let Subject { path, baked, lightings, scene_from_environment, orbit, exposure } = subject;
-        let viewport = Viewport::new(gpu, state.target_format, Arc::clone(&baked))?;
-        let parts = parts_of(&baked);
-        let mut settings = Settings::new(orbit, scene_from_environment, exposure, baked.transfer.order);
+        let Subject { path, model, motion, lightings, scene_from_environment, orbit, exposure } = subject;
+        let viewport = Viewport::new(gpu, state.target_format, Arc::clone(&model))?;
+        let parts = model.parts();
+        let mut settings = Settings::new(orbit, scene_from_environment, exposure, model.order());
+        settings.motion = motion;
         settings.part = parts.last().copied().unwrap_or(Part::Full);
         set_failure(&failure, capture.as_ref().map(Capture::missing));
         Ok(Self {
             path,
-            around: Sphere::around(&baked.geometry.positions),
+            around: Sphere::around(&model.pose(&motion).positions),
             parts,
             lightings: lightings.into_iter().map(Arc::new).collect(),
             start: settings.clone(),
@@ -78,7 +81,7 @@ impl App {
             adapter: viewport.adapter_name(),
             is_software: viewport.is_software(),
             viewport: Arc::new(Mutex::new(viewport)),
-            baked,
+            model,
             changed: f64::NEG_INFINITY,
             frame_seconds: None,
             message: String::new(),
@@ -94,7 +97,7 @@ impl App {
     }
 
     fn add_environment(&mut self, path: &Path) {
-        match Lighting::load(path, self.baked.transfer.order) {
+        match Lighting::load(path, self.model.order()) {
             Ok(lighting) => {
                 self.settings.environment = self.lightings.len();
                 self.lightings.push(Arc::new(lighting));
@@ -110,7 +113,7 @@ impl App {
         }
         let choices = Choices {
             environment_count: self.lightings.len(),
-            order: self.baked.transfer.order.get(),
+            order: self.model.order().get(),
             parts: &self.parts,
             start: &self.start,
         };
@@ -119,7 +122,7 @@ impl App {
 
     fn show_panel(&mut self, ui: &mut Ui, work_seconds: Option<f32>) {
         let facts = Facts {
-            baked: &self.baked,
+            model: &self.model,
             lightings: &self.lightings,
             parts: &self.parts,
             adapter: &self.adapter,
@@ -151,7 +154,8 @@ impl App {
     /// A software adapter draws fewer samples while something moves.
     fn samples(&self, ui: &Ui) -> u32 {
         let still = ui.input(|input| input.time) - self.changed;
-        if !self.is_software || (still >= STILL && !self.settings.draws_continuously) {
+        let is_moving = self.settings.draws_continuously || self.settings.plays;
+        if !self.is_software || (still >= STILL && !is_moving) {
             return SAMPLES;
         }
         ui.ctx().request_repaint_after_secs((STILL - still).max(0.01) as f32);
@@ -166,7 +170,8 @@ impl App {
 
     fn shot_of_size(&self, width: u32, height: u32, samples: u32) -> Shot {
         let settings = &self.settings;
-        let clip_from_world = settings.orbit.camera().clip_from_world(width as f32 / height as f32, self.around);
+        let camera = settings.orbit.camera();
+        let clip_from_world = camera.clip_from_world(width as f32 / height as f32, self.around);
         let view = |matrix: Mat4| View { clip_from_world: matrix.to_cols_array_2d(), width, height, samples };
         let view_of_environment = view(clip_from_world * Mat4::from_quat(settings.scene_from_environment));
         let lighting = &self.lightings[settings.environment];
@@ -174,7 +179,10 @@ impl App {
         let order = settings.order();
         Shot {
             view: view(clip_from_world),
+            eye: camera.eye.to_array(),
             part: settings.part,
+            motion: settings.motion,
+            evaluation: settings.evaluation(),
             content: if settings.shows_transfer {
                 Content::Coefficient(settings.coefficient)
             } else {
@@ -230,6 +238,14 @@ impl App {
         set_failure(&self.failure, outcome.err());
     }
 
+    /// Lets time go on, if it does.
+    fn play(&mut self, ui: &Ui) {
+        if self.settings.plays {
+            self.settings.advance(ui.input(|input| input.stable_dt).min(LONGEST_STEP));
+            ui.ctx().request_repaint();
+        }
+    }
+
     fn measure(&mut self, ui: &Ui) {
         if self.settings.draws_continuously {
             ui.ctx().request_repaint();
@@ -246,6 +262,7 @@ impl eframe::App for App {
         let before = self.settings.clone();
         self.add_dropped_environments(ui.ctx());
         let action = self.use_keys(ui);
+        self.play(ui);
         self.show_panel(ui, frame.info().cpu_usage);
         let picture = egui::CentralPanel::no_frame().show(ui, |ui| self.show_picture(ui)).inner;
         if let Some(action) = action {
@@ -262,15 +279,6 @@ impl eframe::App for App {
         self.measure(ui);
         self.take_capture(ui.ctx());
     }
-}
-
-/// The parts of the transfer that differ and are in the file, the fullest last.
-fn parts_of(baked: &BakedSurface) -> Vec<Part> {
-    let is_there = |part: &Part| match part {
-        Part::Full => baked.metadata.bounces > 0,
-        part => part.transfer(baked).is_ok(),
-    };
-    [Part::Unshadowed, Part::Shadowed, Part::Full].into_iter().filter(is_there).collect()
 }
 
 fn set_failure(failure: &Failure, error: Option<anyhow::Error>) {

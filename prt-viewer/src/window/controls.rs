@@ -9,7 +9,7 @@ use crate::camera::Sphere;
 use crate::shading::Part;
 
 /// What the mouse and the keys do, in the words of `--help` and of the window.
-const HELP: [(&str, &str); 19] = [
+const HELP: [(&str, &str); 21] = [
     ("drag", "turn the object"),
     ("middle drag, Shift+drag", "move the object"),
     ("wheel, pinch", "nearer or farther"),
@@ -19,7 +19,9 @@ const HELP: [(&str, &str); 19] = [
     ("B", "environment in the background on or off"),
     ("+, -", "brighter, darker by half a stop"),
     (". ,", "one band more, one less"),
-    ("1, 2, 3", "unshadowed, shadowed, with interreflections"),
+    ("1, 2, 3", "unshadowed; shadowed, or undeformed lobes; all that is there"),
+    ("4", "transfer traced anew in this pose: the truth, and slow"),
+    ("Space", "the clip plays, or the wave travels; again: it stops"),
     ("T", "show a coefficient of the transfer: orange is positive, blue negative"),
     ("], [", "next, previous coefficient"),
     ("R", "camera as at first"),
@@ -29,6 +31,15 @@ const HELP: [(&str, &str); 19] = [
     ("S", "save the picture beside the file"),
     ("H", "these lines on or off"),
     ("Q, Esc", "close"),
+];
+
+/// Keys that choose a part, where there is one.
+const PARTS: [(Key, Part); 5] = [
+    (Key::Num1, Part::Unshadowed),
+    (Key::Num2, Part::Shadowed),
+    (Key::Num2, Part::Undeformed),
+    (Key::Num3, Part::Full),
+    (Key::Num4, Part::Traced),
 ];
 
 /// The lines of [`HELP`].
@@ -64,6 +75,7 @@ pub(super) fn keys(input: &InputState, settings: &mut Settings, choices: &Choice
     toggle(&mut settings.shows_transfer, Key::T);
     toggle(&mut settings.shows_help, Key::H);
     toggle(&mut settings.draws_continuously, Key::F);
+    toggle(&mut settings.plays, Key::Space);
     if pressed(Key::E) {
         let step = if input.modifiers.shift { choices.environment_count - 1 } else { 1 };
         settings.environment = (settings.environment + step) % choices.environment_count;
@@ -77,7 +89,7 @@ pub(super) fn keys(input: &InputState, settings: &mut Settings, choices: &Choice
     settings.order = stepped(settings.order, 1, choices.order, pressed(Key::Comma), pressed(Key::Period));
     let (down, up) = (pressed(Key::OpenBracket), pressed(Key::CloseBracket));
     settings.coefficient = stepped(settings.coefficient, 0, choices.order.pow(2) - 1, down, up);
-    for (key, part) in [(Key::Num1, Part::Unshadowed), (Key::Num2, Part::Shadowed), (Key::Num3, Part::Full)] {
+    for (key, part) in PARTS {
         if pressed(key) && choices.parts.contains(&part) {
             settings.part = part;
         }
@@ -146,7 +158,9 @@ mod tests {
     #[test]
     fn help_names_every_key_that_acts() {
         let text = help_text();
-        for key in ["E", "B", "+", "-", ".", ",", "1", "2", "3", "T", "[", "]", "R", "L", "A", "F", "S", "H", "Q"] {
+        for key in [
+            "E", "B", "+", "-", ".", ",", "1", "2", "3", "4", "Space", "T", "[", "]", "R", "L", "A", "F", "S", "H", "Q",
+        ] {
             assert!(
                 text.lines()
                     .any(|line| line.split_whitespace().any(|word| word.trim_matches(',') == key || word == key)),

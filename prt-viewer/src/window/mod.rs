@@ -14,12 +14,13 @@ use anyhow::{Context, anyhow};
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use eframe::wgpu;
-use prt_bake::BakedSurface;
 use prt_gpu::Gpu;
 
 use crate::arguments::Size;
 use crate::camera::Orbit;
 use crate::lighting::Lighting;
+use crate::model::Model;
+use crate::motion::Motion;
 
 use app::App;
 pub(crate) use capture::Capture;
@@ -30,7 +31,9 @@ pub(crate) use controls::help_text;
 pub(crate) struct Subject {
     /// The file it came from: pictures are saved beside it.
     pub(crate) path: PathBuf,
-    pub(crate) baked: Arc<BakedSurface>,
+    pub(crate) model: Arc<Model>,
+    /// The pose at first.
+    pub(crate) motion: Motion,
     /// At least one; the first is shown.
     pub(crate) lightings: Vec<Lighting>,
     /// The environment stands upright in the scene, turned as asked.

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Slider, Ui};
-use prt_bake::BakedSurface;
 
 use super::settings::{EXPOSURE, Settings};
 use crate::lighting::Lighting;
+use crate::model::Model;
+use crate::motion::{Actor, Motion};
 use crate::output;
 use crate::shading::Part;
 
@@ -16,7 +17,7 @@ pub(super) const WIDTH: f32 = 230.0;
 /// What the panel tells beside the settings.
 #[derive(Debug)]
 pub(super) struct Facts<'a> {
-    pub(super) baked: &'a BakedSurface,
+    pub(super) model: &'a Model,
     pub(super) lightings: &'a [Arc<Lighting>],
     pub(super) parts: &'a [Part],
     pub(super) adapter: &'a str,
@@ -33,7 +34,11 @@ pub(super) fn show(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
         ui.separator();
         paths(ui, settings, facts);
         ui.separator();
-        transfer(ui, settings, facts);
+        if facts.model.is_deformable() {
+            deformation(ui, settings, facts);
+        } else {
+            transfer(ui, settings, facts);
+        }
         ui.separator();
         frame(ui, settings, facts);
         if !facts.message.is_empty() {
@@ -50,18 +55,22 @@ fn light(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
     }
     ui.checkbox(&mut settings.shows_environment, "In the background");
     ui.add(Slider::new(&mut settings.exposure, EXPOSURE).step_by(0.1).text("Exposure"));
-    let order = facts.baked.transfer.order.get();
+    let order = facts.model.order().get();
     ui.add(Slider::new(&mut settings.order, 1..=order).text("Order"));
 }
 
 fn paths(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
     ui.heading("Light paths");
-    for part in [Part::Unshadowed, Part::Shadowed, Part::Full] {
-        let name = match part {
-            Part::Unshadowed => "Unshadowed",
-            Part::Shadowed => "Shadowed",
-            Part::Full => "Interreflected",
-        };
+    let choices: &[(Part, &str)] = match facts.model.is_deformable() {
+        true => &[
+            (Part::Unshadowed, "Unshadowed"),
+            (Part::Undeformed, "Undeformed (wrong)"),
+            (Part::Full, "Lobes"),
+            (Part::Traced, "Traced (slow)"),
+        ],
+        false => &[(Part::Unshadowed, "Unshadowed"), (Part::Shadowed, "Shadowed"), (Part::Full, "Interreflected")],
+    };
+    for &(part, name) in choices {
         let is_there = facts.parts.contains(&part);
         let button = egui::RadioButton::new(settings.part == part, name);
         let response = ui.add_enabled(is_there, button).on_disabled_hover_text("not in this file");
@@ -71,17 +80,54 @@ fn paths(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
     }
 }
 
+fn deformation(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
+    ui.heading("Deformation");
+    let motion = &mut settings.motion;
+    ui.add(Slider::new(&mut motion.bend, -180.0..=180.0).step_by(1.0).text("Bend"));
+    ui.add(Slider::new(&mut motion.twist, -180.0..=180.0).step_by(1.0).text("Twist"));
+    ui.add(Slider::new(&mut motion.wave, 0.0..=0.2).step_by(0.005).text("Wave"));
+    ui.add(Slider::new(&mut motion.phase, 0.0..=360.0).step_by(1.0).text("Phase"));
+    if let Some(actor) = &facts.model.actor {
+        clip(ui, motion, actor);
+    }
+    ui.checkbox(&mut settings.plays, "Play");
+    if ui.button("Rest").clicked() {
+        settings.motion = Motion::default();
+        settings.plays = false;
+    }
+    ui.checkbox(&mut settings.is_direct, "Light lobes without the table");
+}
+
+/// The clip that plays, and the time in it.
+fn clip(ui: &mut Ui, motion: &mut Motion, actor: &Actor) {
+    let name = |clip: Option<(usize, f32)>| clip.map_or("rest".to_owned(), |(clip, _)| actor.clip_name(clip));
+    egui::ComboBox::from_label("Clip").selected_text(name(motion.clip)).show_ui(ui, |ui| {
+        ui.selectable_value(&mut motion.clip, None, "rest");
+        for clip in 0..actor.clips.len() {
+            let is_chosen = motion.clip.is_some_and(|(chosen, _)| chosen == clip);
+            if ui.selectable_label(is_chosen, actor.clip_name(clip)).clicked() {
+                motion.clip = Some((clip, 0.0));
+            }
+        }
+    });
+    if let Some((clip, time)) = &mut motion.clip {
+        let duration = actor.clips[*clip].duration() as f32;
+        *time = if duration > 0.0 { time.rem_euclid(duration) } else { 0.0 };
+        ui.add(Slider::new(time, 0.0..=duration).text("Time"));
+    }
+}
+
 fn transfer(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
     ui.heading("Transfer");
     ui.checkbox(&mut settings.shows_transfer, "Show a coefficient");
-    let count = facts.baked.transfer.order.coeff_count();
+    let count = facts.model.order().coeff_count();
     ui.add_enabled(settings.shows_transfer, Slider::new(&mut settings.coefficient, 0..=count - 1).text("i"));
     let (l, m) = settings.band();
     ui.weak(format!("band {l}, m = {m}: orange +, blue -"));
 }
 
 fn frame(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
-    let BakedSurface { geometry, metadata, transfer, .. } = facts.baked;
+    let (geometry, metadata) = (facts.model.geometry(), facts.model.metadata());
     ui.heading("Frame");
     ui.checkbox(&mut settings.draws_continuously, "Draw all the time");
     ui.label(match facts.frame_seconds {
@@ -92,10 +138,11 @@ fn frame(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
     ui.label(format!("{} triangles", output::count(geometry.triangles.len() as u64)));
     ui.label(format!(
         "order {}, {} rays, {} bounces",
-        transfer.order,
+        facts.model.order(),
         output::count(metadata.rays as u64),
         metadata.bounces
     ));
+    ui.label(facts.model.kind());
     ui.label(facts.adapter);
     ui.checkbox(&mut settings.shows_help, "Mouse and keys");
 }

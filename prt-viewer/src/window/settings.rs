@@ -1,9 +1,11 @@
 //! What the user can change in the window.
 
 use glam::{Quat, Vec3};
+use prt_gpu::Evaluation;
 use sh_core::Order;
 
 use crate::camera::Orbit;
+use crate::motion::Motion;
 use crate::shading::Part;
 
 /// Limits of the exposure slider, stops.
@@ -20,6 +22,12 @@ pub(super) struct Settings {
     /// Bands in use, 1 to the number baked.
     pub(super) order: usize,
     pub(super) part: Part,
+    /// The pose.
+    pub(super) motion: Motion,
+    /// Time goes on: the clip plays, or the wave travels.
+    pub(super) plays: bool,
+    /// Light lobes from all basis functions instead of the table.
+    pub(super) is_direct: bool,
     /// Show a coefficient of the transfer instead of shading.
     pub(super) shows_transfer: bool,
     /// Which coefficient.
@@ -38,6 +46,9 @@ impl Settings {
             exposure: exposure.clamp(*EXPOSURE.start(), *EXPOSURE.end()),
             order: order.get(),
             part: Part::Full,
+            motion: Motion::default(),
+            plays: false,
+            is_direct: false,
             shows_transfer: false,
             coefficient: 0,
             shows_environment: true,
@@ -48,6 +59,19 @@ impl Settings {
 
     pub(super) fn order(&self) -> Order {
         Order::new(self.order.max(1)).expect("the order is between 1 and the one that was baked")
+    }
+
+    pub(super) fn evaluation(&self) -> Evaluation {
+        if self.is_direct { Evaluation::Direct } else { Evaluation::default() }
+    }
+
+    /// Lets time go on: the clip plays at its own speed, and the wave travels once along its length in four seconds.
+    pub(super) fn advance(&mut self, seconds: f32) {
+        const WAVE_SPEED: f32 = 90.0;
+        match &mut self.motion.clip {
+            Some((_, time)) => *time += seconds,
+            None => self.motion.phase = (self.motion.phase + WAVE_SPEED * seconds) % 360.0,
+        }
     }
 
     /// Turns the light so that what it brightens on the near side of the object follows a drag; radians.

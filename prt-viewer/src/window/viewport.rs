@@ -6,16 +6,21 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use eframe::egui;
 use eframe::egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use eframe::wgpu;
-use prt_bake::{BakedSurface, Environment, TransferVectors};
-use prt_gpu::{Background, Frame, Gpu, PresentOptions, Presenter, SurfaceRenderer, Target, View};
+use prt_bake::{Environment, TransferVectors};
+use prt_gpu::{Background, Evaluation, Frame, Gpu, PresentOptions, Presenter, Target, View};
 use sh_core::{LatLong, Order};
 
 use super::settings::signed_color;
 use crate::lighting::Lighting;
-use crate::shading::{self, Part};
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::renderer::Renderer;
+use crate::shading::{Drawing, Part, PartTransfer};
 
 /// Samples per pixel along each axis of a picture that is saved.
 const SAVED_SAMPLES: u32 = 3;
+/// Rays per vertex of transfer that is traced while the window waits.
+const TRACED_RAYS: usize = 256;
 /// Width of the map that a cube map is shown through.
 const CUBE_AS_MAP: LatLong = LatLong { width: 2048, height: 1024 };
 
@@ -32,7 +37,11 @@ pub(super) enum Content {
 #[derive(Debug, Clone)]
 pub(super) struct Shot {
     pub(super) view: View,
+    /// Where the camera is: gloss depends on it.
+    pub(super) eye: [f32; 3],
     pub(super) part: Part,
+    pub(super) motion: Motion,
+    pub(super) evaluation: Evaluation,
     pub(super) content: Content,
     /// Stops.
     pub(super) exposure: f32,
@@ -44,7 +53,7 @@ pub(super) struct Shot {
 #[derive(Debug)]
 pub(super) struct Viewport {
     gpu: Gpu,
-    baked: Arc<BakedSurface>,
+    model: Arc<Model>,
     presenter: Presenter,
     renderers: HashMap<Part, Shown>,
     target: Option<Target>,
@@ -56,14 +65,16 @@ pub(super) struct Viewport {
 /// The renderer of one part of the transfer.
 #[derive(Debug)]
 struct Shown {
-    renderer: SurfaceRenderer,
+    renderer: Renderer,
+    motion: Motion,
+    evaluation: Option<Evaluation>,
     content: Option<Content>,
 }
 
 impl Viewport {
-    pub(super) fn new(gpu: Gpu, format: wgpu::TextureFormat, baked: Arc<BakedSurface>) -> Result<Self, prt_gpu::Error> {
+    pub(super) fn new(gpu: Gpu, format: wgpu::TextureFormat, model: Arc<Model>) -> Result<Self, prt_gpu::Error> {
         let presenter = Presenter::new(&gpu, format)?;
-        Ok(Self { gpu, baked, presenter, renderers: HashMap::new(), target: None, background: None, fault: None })
+        Ok(Self { gpu, model, presenter, renderers: HashMap::new(), target: None, background: None, fault: None })
     }
 
     pub(super) fn adapter_name(&self) -> String {
@@ -82,7 +93,7 @@ impl Viewport {
     /// Draws a picture and reads it back; without background.
     pub(super) fn render(&mut self, shot: &Shot) -> anyhow::Result<Frame> {
         let view = View { samples: SAVED_SAMPLES, ..shot.view };
-        Ok(self.renderer(shot)?.render(&view)?)
+        Ok(self.renderer(shot)?.render(&view, shot.eye)?)
     }
 
     fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, shot: &Shot) -> anyhow::Result<()> {
@@ -92,7 +103,7 @@ impl Viewport {
             Some(target) => target,
             None => Target::new(&self.gpu, width, height, samples)?,
         };
-        self.renderer(shot)?.draw(encoder, &shot.view, &target)?;
+        self.renderer(shot)?.draw(encoder, &shot.view, shot.eye, &target)?;
         if let Some((lighting, _)) = &shot.background {
             self.upload_background(lighting)?;
         }
@@ -112,25 +123,49 @@ impl Viewport {
         Ok(())
     }
 
-    /// The renderer for a shot, with its content set.
-    fn renderer(&mut self, shot: &Shot) -> anyhow::Result<&mut SurfaceRenderer> {
-        if !self.renderers.contains_key(&shot.part) {
-            let transfer = shot.part.transfer(&self.baked)?;
-            let renderer = SurfaceRenderer::new(&self.gpu, &shading::surface(&self.baked, &transfer)?)?;
-            self.renderers.insert(shot.part, Shown { renderer, content: None });
+    /// The renderer for a shot, with its pose and content set.
+    fn renderer(&mut self, shot: &Shot) -> anyhow::Result<&mut Renderer> {
+        self.pose(shot)?;
+        let shown = self.renderers.get_mut(&shot.part).expect("it was just posed");
+        if shown.evaluation != Some(shot.evaluation) {
+            shown.renderer.set_evaluation(shot.evaluation)?;
+            shown.evaluation = Some(shot.evaluation);
         }
-        let shown = self.renderers.get_mut(&shot.part).expect("it was just inserted");
         if shown.content.as_ref() != Some(&shot.content) {
             match &shot.content {
                 Content::Lit { order, light } => shown.renderer.set_light(light, *order)?,
                 Content::Coefficient(i) => {
-                    let transfer = shot.part.transfer(&self.baked)?;
-                    shown.renderer.set_colors(&coefficient_colors(&transfer, *i))?;
+                    let transfer = self.model.transfer(shot.part, &shot.motion, TRACED_RAYS, &())?;
+                    if let PartTransfer::Vectors(transfer) = transfer {
+                        shown.renderer.set_colors(&coefficient_colors(&transfer, *i))?;
+                    }
                 }
             }
             shown.content = Some(shot.content.clone());
         }
         Ok(&mut shown.renderer)
+    }
+
+    /// Brings the renderer of a part into the pose of a shot. Lobes are turned; transfer vectors are uploaded anew, and traced anew if
+    /// they are of the traced part.
+    fn pose(&mut self, shot: &Shot) -> anyhow::Result<()> {
+        let shown = self.renderers.get_mut(&shot.part);
+        if shown.as_ref().is_some_and(|shown| shown.motion == shot.motion) {
+            return Ok(());
+        }
+        let posed = self.model.pose(&shot.motion);
+        let frames = self.model.frames(shot.part, &posed);
+        if let Some(shown) = shown
+            && shown.renderer.set_pose(&posed.positions, &frames)?
+        {
+            shown.motion = shot.motion;
+            return Ok(());
+        }
+        let transfer = self.model.transfer(shot.part, &shot.motion, TRACED_RAYS, &())?;
+        let drawing = Drawing::new(&self.model, &transfer, &posed.positions, &frames)?;
+        let renderer = Renderer::new(&self.gpu, &drawing)?;
+        self.renderers.insert(shot.part, Shown { renderer, motion: shot.motion, evaluation: None, content: None });
+        Ok(())
     }
 }
 

@@ -14,6 +14,7 @@ use sh_core::Order;
 
 use super::*;
 use crate::camera::{DEFAULT_FOV, Orbit, Side};
+use crate::motion::Motion;
 use crate::sky::BuiltIn;
 use crate::window::wgpu_setup;
 
@@ -24,7 +25,7 @@ const WIDTH: usize = 480;
 const HEIGHT: usize = 320;
 
 /// A box on a plane.
-fn scene() -> BakedSurface {
+fn scene() -> prt_bake::BakedSurface {
     let mut source = MeshSource::default();
     let mut quad = |corner: [f64; 3], along: [f64; 3], up: [f64; 3], cells: usize| {
         let first = source.positions.len();
@@ -56,16 +57,17 @@ fn scene() -> BakedSurface {
 }
 
 fn subject(folder: &Path) -> Subject {
-    let baked = Arc::new(scene());
-    let order = baked.transfer.order;
-    let orbit = Orbit::framing(&baked.geometry.positions, Side::ThreeQuarter, Vec3::Y, DEFAULT_FOV, 1.0);
+    let model = Model::from(scene());
+    let order = model.order();
+    let orbit = Orbit::framing(&model.geometry().positions, Side::ThreeQuarter, Vec3::Y, DEFAULT_FOV, 1.0);
     Subject {
         path: folder.join("scene.prt"),
         lightings: [BuiltIn::Sky, BuiltIn::White].map(|built_in| Lighting::built_in(built_in, order)).into(),
         scene_from_environment: Quat::IDENTITY,
         orbit,
         exposure: 0.0,
-        baked,
+        motion: Motion::default(),
+        model: Arc::new(model),
     }
 }
 
