@@ -3,6 +3,7 @@
 mod bat;
 mod head;
 mod membrane;
+mod wrinkles;
 
 use std::path::Path;
 
@@ -76,7 +77,7 @@ impl Name {
             Self::Patch => Ok(vec![patch(effort)?]),
             Self::Vase => vases(effort),
             Self::Bat => Ok(vec![flapping_bat(effort)?]),
-            Self::Wrinkles => Ok(vec![]),
+            Self::Wrinkles => Ok(vec![wrinkled_cylinder(effort)?]),
             Self::Head => Ok(vec![bent_head(effort, mesh)?]),
             Self::All => {
                 let each = [Self::Patch, Self::Vase, Self::Bat, Self::Wrinkles, Self::Head];
@@ -154,6 +155,22 @@ fn laid_over(texture: ZonalTexture, base: BaseSurface, tiles: usize) -> anyhow::
     let cells = repeat.map(|tiles| tiles * CELLS);
     let textured = Textured::on_base(texture, base, cells, repeat)?;
     Ok(Model { content: Content::Textured(Box::new(textured)), actor: None, membrane: None })
+}
+
+/// The parametric model of a wrinkle, repeated around a cylinder.
+fn wrinkled_cylinder(effort: Effort) -> anyhow::Result<Exhibit> {
+    const WRINKLES: usize = 12;
+    /// Cells across a wrinkle and along it: as its texels.
+    const CELLS: [usize; 2] = [32, 96];
+    let texture = wrinkles::texture(effort.order)?;
+    let textured = Textured::on_base(texture, BaseSurface::Cylinder, [WRINKLES * CELLS[0], CELLS[1]], [WRINKLES, 1])?;
+    Ok(Exhibit {
+        name: "cylinder: wrinkles".to_owned(),
+        model: Model { content: Content::Textured(Box::new(textured)), actor: None, membrane: None },
+        motion: Motion { bend: 60.0, twist: 40.0, ..Motion::default() },
+        from: vec3(0.4, 0.25, 1.0),
+        has_truth: true,
+    })
 }
 
 /// Single lobes about the normals, in closed form.

@@ -3,10 +3,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use prt_bake::{BakedSurface, ZonalSurface};
 use serde::Serialize;
-use sh_fit::{FitOptions, FitReport, LobeSet, Method, Neighbours};
+use sh_fit::{CoherentOptions, CoherentReport, FitOptions, FitReport, LobeSet, Method, Neighbours};
 
-#[derive(Debug, Clone)]
-pub(crate) struct CoherentReport { relative_error: f64 }
 use crate::laps::Laps;
 use crate::progress_bar::FitBar;
 use crate::{arguments, cancel, lobes, output, output_file};
@@ -116,9 +114,19 @@ impl FitArguments {
             &|points| bar.advance(points),
         );
         bar.finish();
-        let (set, report) = fitted?;
+        let (mut set, report) = fitted?;
         cancel::check()?;
-        let coherence = None;
+        let smooth = |strength: f64| {
+            let max_iterations = if strength > 0.0 { CoherentOptions::default().max_iterations } else { 0 };
+            let coherent = CoherentOptions {
+                smoothness: strength,
+                max_iterations,
+                threads: options.threads,
+                ..CoherentOptions::default()
+            };
+            sh_fit::make_coherent(&mut set, targets.values, targets.neighbours, &coherent)
+        };
+        let coherence = self.smooth.map(smooth).transpose()?;
         Ok(Fitted { set, report, coherence })
     }
 }
@@ -143,7 +151,7 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Relative error of the lobes as they are stored.
     pub(crate) fn relative_error(&self) -> f64 {
-        self.coherence.as_ref().map_or(self.report.relative_error, |coherence| coherence.relative_error)
+        self.coherence.as_ref().map_or(self.report.relative_error, |coherence| coherence.error_after)
     }
 }
 
@@ -254,8 +262,8 @@ fn fit(arguments: &Arguments, baked: &BakedSurface) -> anyhow::Result<(Fitted, f
     };
     let options = arguments.fit.options(arguments.seed, arguments.threads);
     let fitted = arguments.fit.fit(&targets, &options)?;
-    let face_error = 0.0;
-    Ok((fitted, face_error))
+    let face_error = sh_fit::interpolation_error(&fitted.set, &transfer.values, &baked.geometry.triangles)?;
+    Ok((fitted, face_error.at_faces))
 }
 
 /// The surface with lobes in place of its transfer vectors.
