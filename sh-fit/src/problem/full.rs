@@ -116,3 +116,42 @@ impl Smooth for Full<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sh_core::Order;
+
+    use super::*;
+    use crate::solver::Landscape;
+
+    #[test]
+    fn eq_19_to_21_are_central_differences_and_the_best_coefficients_have_the_projected_error() {
+        let order = Order::new(5).expect("valid");
+        let f: Vec<f64> = (0..50).map(|i| (i * 7919 % 101) as f64 / 50.0 - 1.0).collect();
+        let mut signal = Signal::new(order, 2, 1);
+        signal.load(&f);
+        let mut projected = Projected::new(signal, 1e-3);
+        projected.set_axes(&[[0.48, -0.6, 0.64], [0.0, 0.0, 1.0], [-0.6, 0.8, 0.0]]);
+        let tables = BasisGradient::new(order);
+        let full = Full::new(projected.signal(), 1e-3, &tables);
+        let mut x = full.parameters(&projected);
+        assert!((full.value(&x) - projected.value()).abs() < 1e-13);
+
+        // Axes of other lengths: only their directions count.
+        for (lobe, scale) in x.chunks_exact_mut(11).zip([0.5, 2.0, 3.0]) {
+            lobe[..3].iter_mut().for_each(|s| *s *= scale);
+        }
+        assert!((full.value(&x) - projected.value()).abs() < 1e-13);
+        x[5] += 0.1;
+        let mut gradient = vec![0.0; x.len()];
+        full.gradient(&x, &mut gradient);
+        for p in 0..x.len() {
+            let h = 1e-5;
+            let at =
+                |by: f64| full.value(&(0..x.len()).map(|q| x[q] + if p == q { by } else { 0.0 }).collect::<Vec<_>>());
+            let slope = (at(h) - at(-h)) / (2.0 * h);
+            // 1e-10 times a third derivative, and 1e-16/1e-5 from rounding.
+            assert!((gradient[p] - slope).abs() < 1e-8, "{p}: {} {slope}", gradient[p]);
+        }
+    }
+}

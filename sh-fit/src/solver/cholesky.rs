@@ -39,3 +39,24 @@ pub(crate) fn solve_upper(factor: &[f64], n: usize, x: &mut [f64]) {
         x[i] = (x[i] - dot) * factor[i * n + i];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_system_is_solved_and_a_saddle_is_found() {
+        let matrix = [4.0, 0.0, 0.0, 2.0, 5.0, 0.0, -2.0, 1.0, 6.0];
+        let full = |i: usize, j: usize| if i > j { matrix[i * 3 + j] } else { matrix[j * 3 + i] };
+        let (mut factor, mut x) = (matrix, [1.0, -2.0, 3.0]);
+        assert_eq!(decompose(&mut factor, 3), None);
+        solve_lower(&factor, 3, &mut x);
+        solve_upper(&factor, 3, &mut x);
+        for (i, expected) in [1.0, -2.0, 3.0].into_iter().enumerate() {
+            let product: f64 = (0..3).map(|j| full(i, j) * x[j]).sum();
+            assert!((product - expected).abs() < 1e-14);
+        }
+        assert_eq!(decompose(&mut [1.0, 0.0, 2.0, 3.0], 2), Some(1));
+        assert_eq!(decompose(&mut [f64::NAN], 1), Some(0));
+    }
+}

@@ -121,3 +121,84 @@ impl Newton {
         .sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::{Smooth, conjugate_gradient, quasi_newton};
+
+    /// Rosenbrock's valley `(1 − x)² + 100 (y − x²)²`, its minimum 0 at (1, 1), indefinite for `y > x² + 1/200`.
+    struct Valley {
+        here: [f64; 2],
+        there: [f64; 2],
+    }
+
+    fn height([x, y]: [f64; 2]) -> f64 {
+        (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2)
+    }
+
+    impl Landscape for Valley {
+        fn dimension(&self) -> usize {
+            2
+        }
+        fn value(&self) -> f64 {
+            height(self.here)
+        }
+        fn derivatives(&mut self, gradient: &mut [f64], hessian: &mut [f64]) {
+            let [x, y] = self.here;
+            gradient.copy_from_slice(&[x - 1.0 - 200.0 * x * (y - x * x), 100.0 * (y - x * x)]);
+            hessian.copy_from_slice(&[1.0 - 200.0 * (y - 3.0 * x * x), -200.0 * x, -200.0 * x, 100.0]);
+        }
+        fn try_step(&mut self, step: &[f64]) -> f64 {
+            self.there = [self.here[0] + step[0], self.here[1] + step[1]];
+            height(self.there)
+        }
+        fn accept(&mut self) {
+            self.here = self.there;
+        }
+    }
+
+    impl Smooth for Valley {
+        fn value(&self, x: &[f64]) -> f64 {
+            height([x[0], x[1]])
+        }
+        fn gradient(&self, x: &[f64], gradient: &mut [f64]) {
+            let steep = x[1] - x[0] * x[0];
+            gradient.copy_from_slice(&[2.0 * (x[0] - 1.0) - 400.0 * x[0] * steep, 200.0 * steep]);
+        }
+    }
+
+    const LIMITS: Limits = Limits { iterations: 400, tolerance: 1e-9, beat: f64::INFINITY, reach: f64::INFINITY };
+
+    #[test]
+    fn the_valley_is_walked_to_its_end_by_every_method() {
+        // The second start lies where the Hessian is indefinite.
+        for start in [[-1.2, 1.0], [0.5, 3.0], [1.0, 1.0]] {
+            let mut valley = Valley { here: start, there: start };
+            let (bfgs, _, _) = quasi_newton(&valley, &start, &LIMITS);
+            let (cg, _, _) = conjugate_gradient(&valley, &start, &LIMITS);
+            let outcome = Newton::default().minimise(&mut valley, &LIMITS);
+            assert_eq!(outcome.stop, Stop::Converged, "from {start:?}");
+            assert!(outcome.iterations < 60, "{outcome:?} from {start:?}");
+            // Newton's method ends with a step of rounding; the others when a step lowers the value by less than 1e-9 of its start.
+            let nearness = [(valley.here, 1e-7), ([bfgs[0], bfgs[1]], 1e-4), ([cg[0], cg[1]], 1e-3)];
+            for (found, near) in nearness {
+                assert!(
+                    (found[0] - 1.0).abs() < near && (found[1] - 1.0).abs() < 3.0 * near,
+                    "{found:?} from {start:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn limits_end_the_walk() {
+        let mut valley = Valley { here: [-1.2, 1.0], there: [0.0; 2] };
+        let few = Newton::default().minimise(&mut valley, &Limits { iterations: 3, ..LIMITS });
+        assert_eq!((few.stop, few.iterations), (Stop::Iterations, 3));
+        assert!(height(valley.here) < height([-1.2, 1.0]));
+        let mut valley = Valley { here: [-1.2, 1.0], there: [0.0; 2] };
+        let hopeless = Newton::default().minimise(&mut valley, &Limits { beat: -100.0, reach: 1.0, ..LIMITS });
+        assert_eq!((hopeless.iterations, valley.here), (0, [-1.2, 1.0]));
+    }
+}
