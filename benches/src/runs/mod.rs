@@ -3,6 +3,7 @@
 mod error_against_order;
 mod error_against_rays;
 mod exponential;
+mod ldprt_table;
 mod numbers;
 mod peers;
 mod rotation_trade;
@@ -49,6 +50,11 @@ pub const RUNS: &[Run] = &[
         name: "sh/exponential",
         what: "error and time of the exponential of expansions, by method and order, for sets of blockers",
         run: exponential::run,
+    },
+    Run {
+        name: "ldprt/table",
+        what: "the light's table of zonal lobes: error and time for 16x8 to 256x128, with a plot",
+        run: ldprt_table::run,
     },
     Run {
         name: "kkp/trade",
