@@ -4,6 +4,7 @@ mod error_against_order;
 mod error_against_rays;
 mod exponential;
 mod ldprt_scattering;
+mod ldprt_table;
 mod numbers;
 mod peers;
 mod rotation_trade;
@@ -55,6 +56,11 @@ pub const RUNS: &[Run] = &[
         name: "ldprt/scattering",
         what: "random walks in a translucent patch: slabs beside the adding-doubling method, error and time against paths",
         run: ldprt_scattering::run,
+    },
+    Run {
+        name: "ldprt/table",
+        what: "the light's table of zonal lobes: error and time for 16x8 to 256x128, with a plot",
+        run: ldprt_table::run,
     },
     Run {
         name: "kkp/trade",
