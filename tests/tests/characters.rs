@@ -1,4 +1,5 @@
 //! Characters that are baked by `prt-bake` and posed by `prt-anim`: two readers of the same files.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use prt_anim::{Character, Deformed, Playback, load_character};
 use prt_bake::{Mesh, MeshOptions, load_mesh};

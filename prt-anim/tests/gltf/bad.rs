@@ -29,10 +29,10 @@ fn references_to_nothing() {
     refuse("accessor 77, which is not there", |d| d["skins"][0]["inverseBindMatrices"] = 77.into());
     refuse("node 1 has a child 7, which is not there", |d| d["nodes"][1]["children"] = json!([7]));
     refuse("animation 0, channel 1: it refers to sampler 9", |d| {
-        d["animations"][0]["channels"][1]["sampler"] = 9.into()
+        d["animations"][0]["channels"][1]["sampler"] = 9.into();
     });
     refuse("animation 0, channel 0: it refers to node 9", |d| {
-        d["animations"][0]["channels"][0]["target"]["node"] = 9.into()
+        d["animations"][0]["channels"][0]["target"]["node"] = 9.into();
     });
 }
 
