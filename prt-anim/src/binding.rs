@@ -13,6 +13,9 @@ const RELATIVE_TOLERANCE: f64 = 1e-5;
 /// Partners whose distances differ by less than this fraction of the tolerance stand at one place, and their normals decide.
 const SAME_PLACE: f64 = 0.25;
 
+/// Normals that are so near to one another count as equal: far above rounding, far below what is smoothed or creased.
+const SAME_NORMAL: f64 = 1e-5;
+
 /// How the vertices of another mesh, such as a baked one, follow the joints of a [`SkinnedMesh`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding {
@@ -24,7 +27,8 @@ pub struct Binding {
 
 impl SkinnedMesh {
     /// Finds for each vertex of another mesh its joints and weights: those of the nearest vertex in the rest pose, and among several at
-    /// one place of the one with the most similar normal.
+    /// one place of the one with the most similar normal. Where several have that too (parts that hide one another), the meshes are taken to be
+    /// in the same order, as a baked mesh and its file are.
     ///
     /// A partner is at most 1e-5 of the diagonal away, and four rounding errors of the largest coordinate.
     ///
@@ -38,10 +42,14 @@ impl SkinnedMesh {
     pub fn bind_to(&self, positions: &[[f32; 3]], normals: &[[f32; 3]]) -> Result<Binding, Error> {
         assert_eq!(normals.len(), positions.len(), "one normal for each vertex is needed");
         let places = Places::new(self.positions(), self.normals());
+        let mut previous = None;
         let found: Vec<Option<u32>> = positions
             .iter()
             .zip(normals)
-            .map(|(position, normal)| places.nearest(vector(position), vector(normal)))
+            .map(|(position, normal)| {
+                previous = places.nearest(vector(position), vector(normal), previous);
+                previous
+            })
             .collect();
         let unbound = found.iter().filter(|source| source.is_none()).count();
         if let Some(first) = found.iter().position(Option::is_none) {
@@ -73,15 +81,16 @@ impl<'a> Places<'a> {
         Self { positions, normals, tolerance, cells }
     }
 
-    fn nearest(&self, position: DVec3, normal: DVec3) -> Option<u32> {
-        let near: Vec<(f64, u32)> = self.around(position).collect();
-        let smallest = near.iter().map(|&(distance, _)| distance).reduce(f64::min)?;
-        let limit = smallest + SAME_PLACE * self.tolerance;
-        let cosine = |&(_, vertex): &(f64, u32)| vector(&self.normals[vertex as usize]).dot(normal);
-        let same_place = near.iter().filter(|&&(distance, _)| distance <= limit);
-        // The first of equals: cells are visited in a fixed order, vertices within them by number.
-        let best = same_place.reduce(|best, other| if cosine(other) > cosine(best) { other } else { best });
-        best.map(|&(_, vertex)| vertex)
+    /// The vertex at a position whose normal is nearest; of equals the first one after `previous`, or else the first one.
+    fn nearest(&self, position: DVec3, normal: DVec3, previous: Option<u32>) -> Option<u32> {
+        let mut near: Vec<(f64, u32)> = self.around(position).collect();
+        keep_smallest(&mut near, SAME_PLACE * self.tolerance);
+        let difference = |vertex: u32| vector(&self.normals[vertex as usize]).distance(normal);
+        near.iter_mut().for_each(|candidate| candidate.0 = difference(candidate.1));
+        keep_smallest(&mut near, SAME_NORMAL);
+        let after =
+            near.iter().map(|candidate| candidate.1).filter(|&vertex| previous.is_none_or(|last| vertex > last));
+        after.min().or_else(|| near.iter().map(|candidate| candidate.1).min())
     }
 
     /// Distance and number of all vertices within the tolerance.
@@ -94,6 +103,12 @@ impl<'a> Places<'a> {
             .map(move |&vertex| (vector(&self.positions[vertex as usize]).distance(position), vertex))
             .filter(|&(distance, _)| distance <= self.tolerance)
     }
+}
+
+/// Keeps what is no larger than the smallest and a tolerance; all where the numbers are undefined.
+fn keep_smallest(candidates: &mut Vec<(f64, u32)>, tolerance: f64) {
+    let smallest = candidates.iter().map(|candidate| candidate.0).fold(f64::INFINITY, f64::min);
+    candidates.retain(|candidate| candidate.0.is_nan() || candidate.0 <= smallest + tolerance);
 }
 
 fn tolerance(positions: &[[f32; 3]]) -> f64 {

@@ -52,3 +52,7 @@ pub use mesh::SkinnedMesh;
 pub use pose::{Pose, Transform};
 pub use skeleton::{Joint, Skeleton};
 pub use skin::{Bone, Skin, SkinSource};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,4 +1,5 @@
 //! Clips: interpolation as glTF 2.0 defines it, times outside the keys, and what is refused.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;

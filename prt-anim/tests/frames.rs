@@ -1,4 +1,5 @@
 //! The rotation by which lobes follow a surface, its laws and its extremes.
+#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests, and what they measure is printed")]
 
 use glam::{DMat3, DQuat, DVec3, Mat3};
 use proptest::prelude::*;
@@ -249,11 +250,11 @@ fn mesh_frames_of_broken_meshes() {
     assert!(frames_from_mesh(&[], &[], &[], &[]).is_empty());
 }
 
+/// Positions, normals, texture coordinates and triangles.
+type Patch = (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>);
+
 /// A patch of a surface over `(u, v)` with its normals; `mirror` turns `u` around.
-fn patch(
-    point: impl Fn(f64, f64) -> DVec3,
-    mirror: bool,
-) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>) {
+fn patch(point: impl Fn(f64, f64) -> DVec3, mirror: bool) -> Patch {
     const N: u32 = 24;
     let (mut positions, mut normals, mut uvs, mut triangles) = (vec![], vec![], vec![], vec![]);
     for j in 0..=N {

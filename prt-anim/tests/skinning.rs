@@ -1,4 +1,5 @@
 //! Linear blend skinning: rigid motions, blends, rest poses that are not the bound one, and bindings.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use glam::{DMat3, DQuat, DVec3, Mat3};
 use proptest::prelude::*;
