@@ -217,6 +217,11 @@ pub(crate) fn seconds(text: &str) -> Result<f32, String> {
     ranged(text, 0.0, 1e6)
 }
 
+/// Cells along a side of a tile.
+pub(crate) fn cells(text: &str) -> Result<usize, String> {
+    ranged(text, 2, 1024)
+}
+
 /// Size of a table of the light, or `direct`.
 pub(crate) fn evaluation(text: &str) -> Result<Evaluation, String> {
     if text.eq_ignore_ascii_case("direct") {

@@ -63,6 +63,8 @@ pub(crate) struct Effort {
     pub(crate) order: Order,
     pub(crate) lobes: usize,
     pub(crate) rays: usize,
+    /// Cells along a side of a texture's tile, for the mesh that its relief is raised on.
+    pub(crate) cells: usize,
 }
 
 impl Name {
@@ -94,8 +96,8 @@ fn patch(effort: Effort) -> anyhow::Result<Exhibit> {
     let texture = texture(Pattern::Bumps, effort, &PatchArguments::diffuse(effort.lobes), 0)?;
     Ok(Exhibit {
         name: "patch: bumps".to_owned(),
-        model: laid_over(texture, BaseSurface::Patch, 6)?,
-        motion: Motion { bend: 110.0, ..Motion::default() },
+        model: laid_over(texture, BaseSurface::Patch, 6, effort)?,
+        motion: Motion { bend: -110.0, ..Motion::default() },
         from: vec3(0.35, 0.25, 1.0),
         has_truth: true,
     })
@@ -117,8 +119,8 @@ fn vases(effort: Effort) -> anyhow::Result<Vec<Exhibit>> {
     let exhibit = |(name, pattern, arguments, bounces): (&str, Pattern, &PatchArguments, usize)| {
         Ok(Exhibit {
             name: format!("vase: {name}"),
-            model: laid_over(texture(pattern, effort, arguments, bounces)?, BaseSurface::Vase, 8)?,
-            motion: Motion { bend: 35.0, twist: 60.0, ..Motion::default() },
+            model: laid_over(texture(pattern, effort, arguments, bounces)?, BaseSurface::Vase, 8, effort)?,
+            motion: Motion { bend: 50.0, twist: 110.0, ..Motion::default() },
             from: vec3(0.3, 0.25, 1.0),
             has_truth: std::ptr::eq(arguments, &diffuse),
         })
@@ -147,12 +149,10 @@ fn texture(
     Ok(arguments.bake(&field, &common)?.texture)
 }
 
-/// A texture on one of our surfaces, on a grid as fine as its texels, so that the relief can be traced.
-fn laid_over(texture: ZonalTexture, base: BaseSurface, tiles: usize) -> anyhow::Result<Model> {
-    /// Cells along a side of a tile: half the texels keep the relief, and the meshes small.
-    const CELLS: usize = 32;
+/// A texture on one of our surfaces, on a grid that is fine enough that the relief can be traced.
+fn laid_over(texture: ZonalTexture, base: BaseSurface, tiles: usize, effort: Effort) -> anyhow::Result<Model> {
     let repeat = base.repeat(tiles);
-    let cells = repeat.map(|tiles| tiles * CELLS);
+    let cells = repeat.map(|tiles| tiles * effort.cells);
     let textured = Textured::on_base(texture, base, cells, repeat)?;
     Ok(Model { content: Content::Textured(Box::new(textured)), actor: None, membrane: None })
 }
@@ -203,7 +203,7 @@ fn bent_head(effort: Effort, mesh: Option<&Path>) -> anyhow::Result<Exhibit> {
     Ok(Exhibit {
         name: "head".to_owned(),
         model: Model { content: Content::Lobes(surface), actor: None, membrane: None },
-        motion: Motion { bend: 50.0, twist: 75.0, ..Motion::default() },
+        motion: Motion { bend: 40.0, twist: 60.0, ..Motion::default() },
         from: vec3(0.25, 0.1, 1.0),
         has_truth: true,
     })

@@ -141,6 +141,8 @@ pub(crate) struct Baked {
     pub(crate) bake: PatchReport,
     pub(crate) relative_error: f64,
     pub(crate) largest_coefficient: f64,
+    /// Relative error of the rows that a glossy reflection is factored into.
+    pub(crate) factor_error: Option<f64>,
 }
 
 impl PatchArguments {
@@ -202,6 +204,7 @@ impl PatchArguments {
         let (transfer, bake) = baked?;
         cancel::check()?;
         let (mut stored, relative_error, largest_coefficient) = self.fit_rows(&transfer, common)?;
+        let factor_error = gloss.as_ref().map(Gloss::error);
         stored.view_map = gloss.map(Gloss::into_view_map);
         let metadata = Metadata {
             rays: if options.shadowed { options.rays_per_texel } else { 0 },
@@ -222,7 +225,7 @@ impl PatchArguments {
             albedo: if is_own_albedo { options.albedo } else { [1.0; 3] },
             transfer: stored,
         };
-        Ok(Baked { texture, bake, relative_error, largest_coefficient })
+        Ok(Baked { texture, bake, relative_error, largest_coefficient, factor_error })
     }
 
     /// Fits the rows one by one, whose lobes have nothing to do with one another; returns relative error and largest coefficient too.
@@ -287,6 +290,8 @@ struct Report<'a> {
     /// Relative error of the lobes.
     relative_error: f64,
     largest_coefficient: f64,
+    /// Relative error of the rows of a glossy reflection; `null` if it is diffuse.
+    factor_error: Option<f64>,
     /// Of uniform light, what a translucent patch sends back and lets through, for each channel; `null` if it is opaque.
     reflectance: Option<&'a [f64]>,
     transmittance: Option<&'a [f64]>,
@@ -354,6 +359,7 @@ fn report<'a>(
         lobes: texture.transfer.lobe_count,
         relative_error: baked.relative_error,
         largest_coefficient: baked.largest_coefficient,
+        factor_error: baked.factor_error,
         reflectance: scattering.map(|report| report.from_above.as_slice()),
         transmittance: scattering.map(|report| report.from_below.as_slice()),
         seed: common.seed,
@@ -374,8 +380,11 @@ fn summary(report: &Report<'_>) -> String {
             100.0 * mean(through)
         )
     });
+    let gloss = report.factor_error.map(|error| {
+        format!("\nthe rows leave {:.1} % of the glossy reflection, over all views", 100.0 * error)
+    });
     format!(
-        "{}x{} texels, order {}, {} row{}: {} rays in {:.2} s ({:.1} Mrays/s), error about {:.2} %{}\n\
+        "{}x{} texels, order {}, {} row{}: {} rays in {:.2} s ({:.1} Mrays/s), error about {:.2} %{}{}\n\
          {} lobes in {:.2} s, error {:.2} %\nwrote {} ({}) after {:.2} s",
         report.width,
         report.height,
@@ -387,6 +396,7 @@ fn summary(report: &Report<'_>) -> String {
         report.mrays_per_second,
         100.0 * report.error.unwrap_or(0.0),
         light.unwrap_or_default(),
+        gloss.unwrap_or_default(),
         report.lobes,
         report.seconds.fit,
         100.0 * report.relative_error,

@@ -42,6 +42,9 @@ pub(crate) struct Arguments {
     /// Rays per vertex or texel, for lobes and for the truth
     #[arg(long, value_name = "COUNT", default_value = "1024", value_parser = arguments::rays)]
     rays: usize,
+    /// Cells along a side of a texture's tile, for the mesh that its relief is raised on and traced
+    #[arg(long, value_name = "COUNT", default_value = "64", value_parser = arguments::cells)]
+    cells: usize,
     /// The environment: as for render
     #[arg(long, value_name = "FILE", default_value = "sky")]
     env: PathBuf,
@@ -96,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     output_file::check(&output)?;
     cancel::listen()?;
     let lighting = Lighting::load(&arguments.env, arguments.order)?;
-    let effort = Effort { order: arguments.order, lobes: arguments.lobes, rays: arguments.rays };
+    let effort = Effort { order: arguments.order, lobes: arguments.lobes, rays: arguments.rays, cells: arguments.cells };
     let exhibits = arguments.name.exhibits(effort, arguments.mesh.as_deref())?;
     let (mut rows, mut pictures) = (Vec::new(), Vec::new());
     laps.lap();
