@@ -13,6 +13,8 @@ use crate::{FitOptions, Method, Stop};
 const GREEDY_TOLERANCE: f64 = 0.1;
 /// Starts are compared after they have come this near to their minima; only the best is followed to the end.
 const COMPARE_TOLERANCE: f64 = 0.03;
+/// Iterations that tell whether anything is left: convergence is quadratic where nothing is.
+const SETTLING: usize = 6;
 /// A neighbour's axes are left when the value cannot fall below the best one by so many times the decrease that the next
 /// iteration expects.
 const REACH: f64 = 4.0;
@@ -124,6 +126,10 @@ impl<'a> Search<'a> {
         while self.problem.axes().len() < lobes && !self.is_exact() {
             if !self.problem.axes().is_empty() {
                 self.minimise(&self.limits(GREEDY_TOLERANCE));
+                self.settle();
+                if self.is_exact() {
+                    break;
+                }
             }
             self.axes.clear();
             self.axes.extend_from_slice(self.problem.axes());
@@ -142,7 +148,17 @@ impl<'a> Search<'a> {
     fn finish(&mut self, best: &mut Found) {
         self.problem.set_axes(&best.axes);
         let outcome = self.minimise(&self.limits(self.options.tolerance));
+        self.settle();
         self.keep_better(best, outcome.stop);
+    }
+
+    /// Where less is left than the penalty, tolerances that are relative to both stop too early to see whether anything is left:
+    /// a few more iterations tell.
+    fn settle(&mut self) {
+        let left = self.problem.unpenalised();
+        if left < self.problem.value() - left && !self.is_exact() {
+            self.minimise(&Limits { iterations: SETTLING, ..self.limits(0.0) });
+        }
     }
 
     fn keep_better(&self, best: &mut Found, stop: Stop) {
