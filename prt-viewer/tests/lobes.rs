@@ -83,7 +83,7 @@ fn coloured_interreflection_is_fitted_in_three_channels() {
 #[test]
 fn lobes_follow_a_deformation_and_are_nearer_to_ray_tracing_than_those_that_do_not() {
     let place = Place::new();
-    place.bake_scene(&["--order", "5"]);
+    place.bake_scene(&[]);
     place.json(&["fit", "scene.prt", "-o", "lobes.prt"]);
     let part = |part: &str| {
         render(&place, part, &["lobes.prt", "--part", part, "--twist", "90", "--bend", "40", "--rays", "512"])
@@ -94,7 +94,7 @@ fn lobes_follow_a_deformation_and_are_nearer_to_ray_tracing_than_those_that_do_n
     assert!(lobes < 0.5 * undeformed, "{lobes} {undeformed}");
 
     let rest = render(&place, "rest", &["lobes.prt"]);
-    let vectors = render(&place, "vectors", &["scene.prt", "--order", "5"]);
+    let vectors = render(&place, "vectors", &["scene.prt"]);
     assert!(distance(&rest, &vectors) < 0.03, "at rest lobes are the transfer that they were fitted to");
 }
 
@@ -113,7 +113,8 @@ fn the_table_of_the_light_costs_little_accuracy() {
 #[test]
 fn a_pattern_becomes_a_texture_of_lobes() {
     let place = Place::new();
-    let report = place.json(&["bake", "bumps", "--texels", "24x24", "--rays", "128", "-o", "bumps.prt", "--order", "5"]);
+    let report =
+        place.json(&["bake", "bumps", "--texels", "24x24", "--rays", "128", "-o", "bumps.prt", "--order", "5"]);
     assert_eq!((number(&report, "/texels"), number(&report, "/lobes")), (576.0, 4.0));
     assert!((1e-4..0.05).contains(&number(&report, "/relative_error")), "{report}");
     assert_eq!(place.json(&["info", "bumps.prt"])["metadata"]["kind"], "texture-zonal");
@@ -175,7 +176,11 @@ fn what_cannot_be_done_is_said() {
     place.refuses(&["bake", "weave", "--texels", "8x16"], 1, &["weave", "square"]);
     place.refuses(&["bake", "absent.png"], 1, &["absent.png"]);
     place.json(&["bake", "weave", "--texels", "8x8", "--rays", "16"]);
-    place.refuses(&["render", "weave.prt", "--on", "scene.obj", "-o", "x.png"], 1, &["scene.obj", "texture coordinates"]);
+    place.refuses(
+        &["render", "weave.prt", "--on", "scene.obj", "-o", "x.png"],
+        1,
+        &["scene.obj", "texture coordinates"],
+    );
     place.refuses(&["fit", "weave.prt"], 1, &["kind texture-zonal"]);
 }
 

@@ -380,9 +380,9 @@ fn summary(report: &Report<'_>) -> String {
             100.0 * mean(through)
         )
     });
-    let gloss = report.factor_error.map(|error| {
-        format!("\nthe rows leave {:.1} % of the glossy reflection, over all views", 100.0 * error)
-    });
+    let gloss = report
+        .factor_error
+        .map(|error| format!("\nthe rows leave {:.1} % of the glossy reflection, over all views", 100.0 * error));
     format!(
         "{}x{} texels, order {}, {} row{}: {} rays in {:.2} s ({:.1} Mrays/s), error about {:.2} %{}{}\n\
          {} lobes in {:.2} s, error {:.2} %\nwrote {} ({}) after {:.2} s",

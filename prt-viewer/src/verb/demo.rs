@@ -99,7 +99,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     output_file::check(&output)?;
     cancel::listen()?;
     let lighting = Lighting::load(&arguments.env, arguments.order)?;
-    let effort = Effort { order: arguments.order, lobes: arguments.lobes, rays: arguments.rays, cells: arguments.cells };
+    let effort =
+        Effort { order: arguments.order, lobes: arguments.lobes, rays: arguments.rays, cells: arguments.cells };
     let exhibits = arguments.name.exhibits(effort, arguments.mesh.as_deref())?;
     let (mut rows, mut pictures) = (Vec::new(), Vec::new());
     laps.lap();

@@ -40,7 +40,7 @@ pub(crate) struct FitArguments {
     #[arg(long, value_name = "N", default_value = "4", value_parser = arguments::lobes)]
     pub(crate) lobes: usize,
     /// Use no more lobes than this relative error needs
-    #[arg(long, value_name = "ERROR", value_parser = arguments::positive)]
+    #[arg(long, value_name = "ERROR", value_parser = arguments::positive, allow_hyphen_values = true)]
     target_error: Option<f64>,
     /// With a target error: as many lobes at each vertex as it needs, not the same number everywhere
     #[arg(long, requires = "target_error")]
