@@ -23,7 +23,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for (material, options) in [("stone", &stone), ("wax", &wax)] {
             // 3. Transfer in tangent space: its dot product with a light in that frame is the radiance.
             let (transfer, _) = bake_patch(&field, options, &())?;
-            for (light, direction) in [("left", [-0.8, 0.0, 0.6]), ("right", [0.48, 0.48, 0.734]), ("below", [0.0, 0.0, -1.0])] {
+            for (light, direction) in
+                [("left", [-0.8, 0.0, 0.6]), ("right", [0.48, 0.48, 0.734]), ("below", [0.0, 0.0, -1.0])]
+            {
                 let file = format!("{name}-{material}-{light}.png");
                 picture(&transfer, direction).save(&Path::new(&folder).join(file))?;
             }
