@@ -70,7 +70,7 @@ fn patterns_tile_and_fill_their_range() {
     for (name, pattern) in patterns {
         let field = pattern(64, 0.3).unwrap();
         let [lowest, highest] = field.range();
-        assert!(lowest >= 0.0 && lowest < 0.03 && highest <= 0.3 && highest > 0.27, "{name} {lowest} {highest}");
+        assert!((0.0..0.03).contains(&lowest) && (0.27..=0.3).contains(&highest), "{name} {lowest} {highest}");
         let step = |texel: usize, by| (field.heights()[texel] - field.heights()[moved(&field, texel, by)]).abs();
         let steps =
             |texels: &mut dyn Iterator<Item = usize>, by| texels.map(|texel| step(texel, by)).fold(0.0, f32::max);

@@ -28,10 +28,11 @@ fn groove(size: usize, rows: usize, top: f32) -> HeightField {
 fn a_groove_sees_what_its_section_lets_in() {
     // Light from all sides reaches a point of an endless groove in proportion to (sin a − sin b)/2, where a and b are the angles between
     // the normal and the two edges of the opening, seen in the cross section: the radiation view factor of a strip.
-    let (size, top) = (32, 0.5);
+    let (size, top) = (16, 0.5);
     let field = groove(size, 2, top);
     let transfer = bake(&field, &options(3, 16_384));
-    for column in 0..size {
+    // Without the two texels of the ridge itself, which is level between them.
+    for column in 1..size - 1 {
         let [x, _, z] = field.position(column);
         let normal = field.normal(column);
         let tilt = f64::from(normal[0]).atan2(f64::from(normal[2]));
@@ -39,11 +40,8 @@ fn a_groove_sees_what_its_section_lets_in() {
         let ridge = f64::from(field.heights()[0]);
         let edges = [0.5 / size as f64, 1.0 - 0.5 / size as f64].map(|edge| (edge - x, ridge - z));
         let seen = |(across, up): (f64, f64)| if up <= 1e-12 { PI / 2.0 * across.signum() } else { across.atan2(up) };
-        let mut angles = edges.map(|edge| seen(edge));
-        if column == 0 || column + 1 == size {
-            continue;
-        }
-        angles = angles.map(|angle| (angle - tilt).clamp(-PI / 2.0, PI / 2.0));
+        let angles = edges.map(seen);
+        let angles = angles.map(|angle| (angle - tilt).clamp(-PI / 2.0, PI / 2.0));
         let expected = 0.5 * (angles[1].sin() - angles[0].sin());
         let found = white(transfer.vector(column, 0, 0));
         // Measured 1.4e-3 at most, from 16,384 directions.
@@ -53,9 +51,9 @@ fn a_groove_sees_what_its_section_lets_in() {
 
 #[test]
 fn bumps_agree_with_the_baked_mesh_of_five_tiles() {
-    let field = HeightField::bumps(24, 0.2).unwrap();
+    let field = HeightField::bumps(12, 0.2).unwrap();
     let source = field.mesh([5, 5]);
-    let columns = 5 * 24 + 1;
+    let columns = 5 * 12 + 1;
     let (mesh, report) = Mesh::new(source, &MeshOptions::default()).unwrap();
     assert_eq!((report.faces_dropped(), report.vertices_split), (0, 0));
     for bounces in [0, 1] {
@@ -64,7 +62,7 @@ fn bumps_agree_with_the_baked_mesh_of_five_tiles() {
         let whole = BakeOptions { order: options.order, rays_per_vertex: 1024, bounces, ..BakeOptions::default() };
         let whole = bake_diffuse(&mesh, &whole, &()).unwrap().0;
         let middle: Vec<f32> = (0..field.texel_count())
-            .flat_map(|texel| whole.transfer.vector((48 + texel / 24) * columns + 48 + texel % 24, 0).to_vec())
+            .flat_map(|texel| whole.transfer.vector((24 + texel / 12) * columns + 24 + texel % 12, 0).to_vec())
             .collect();
         let difference = relative_difference(&tile.values, &middle);
         // The mesh ends after two tiles, so that light comes in over bumps 2 tiles away.

@@ -17,20 +17,21 @@ fn slab(medium: Medium, thickness: Option<f32>, paths: usize) -> [f64; 3] {
     [report.from_above[0], report.from_below[0], report.given_up[0]]
 }
 
-/// What comes back and through of a beam that falls on a plane slab at right angles; with the walk's jumps or without.
-fn beam(medium: Medium, thickness: Option<f32>, paths: usize) -> [f64; 2] {
+/// What comes back and through of a beam that falls on a plane slab at right angles, and what was given up.
+fn beam(medium: Medium, thickness: Option<f32>, paths: usize) -> [f64; 3] {
     let field = HeightField::new(1, 1, vec![0.0]).unwrap();
     let surface = Surface::new(&field);
     let walk = Walk::new(&surface, &medium, 0, thickness, 1 << 20);
     let mut random = Random::new(1);
-    let mut sums = [0.0; 2];
+    let mut sums = [0.0; 3];
     for _ in 0..paths {
         let (position, point) = surface.point_of_texel(0, [0.2, 0.1]);
         let path = walk.follow(position, &point, DVec3::NEG_Z, &mut random);
         match path.end {
             End::Above(_) => sums[0] += path.weight,
             End::Below(_) => sums[1] += path.weight,
-            _ => (),
+            End::GivenUp => sums[2] += path.weight,
+            End::Lost => (),
         }
     }
     sums.map(|sum| sum / paths as f64)
@@ -66,22 +67,26 @@ fn h_function(albedo: f64) -> impl Fn(f64) -> f64 {
 }
 
 #[test]
-fn the_h_function_is_the_printed_one() {
-    // Chandrasekhar, table XI: H(1) for albedo 0.9 and 1.
-    assert!((h_function(0.9)(1.0) - 1.9 - 0.0).abs() < 0.2);
+fn the_h_function_has_its_known_integral() {
+    // Chandrasekhar, chapter V, theorem 1: a/2 ∫ H = 1 − √(1−a).
+    for albedo in [0.5, 0.9, 0.99] {
+        let h = h_function(albedo);
+        let integral: f64 = (0..2000).map(|k| h((f64::from(k) + 0.5) / 2000.0) / 2000.0).sum();
+        assert!((0.5 * albedo * integral - 1.0 + f64::sqrt(1.0 - albedo)).abs() < 1e-4, "{albedo}: {integral}");
+    }
 }
 
 #[test]
 fn a_half_space_reflects_what_the_h_function_says() {
     // 0.999 and 0.99 jump, 0.9 and 0.5 do not.
-    for (albedo, paths) in [(0.5, 100_000), (0.9, 100_000), (0.99, 100_000), (0.999, 60_000)] {
+    for (albedo, paths) in [(0.5, 50_000), (0.9, 50_000), (0.99, 50_000), (0.999, 50_000)] {
         let h = h_function(albedo);
         let reflectance = |mu: f64| 1.0 - (1.0 - albedo).sqrt() * h(mu);
         let medium = medium(50.0 * albedo as f32, 50.0 * (1.0 - albedo) as f32, 0.0, 1.0);
         let [diffuse, ..] = slab(medium, None, paths);
-        // One standard deviation is 1.6e-3 at most.
+        // One standard deviation is 2e-3 at most.
         assert!((diffuse - flux(reflectance)).abs() < 5e-3, "{albedo}: {diffuse} {}", flux(reflectance));
-        let [straight, _] = beam(medium, None, paths);
+        let [straight, ..] = beam(medium, None, paths);
         assert!((straight - reflectance(1.0)).abs() < 5e-3, "{albedo}: {straight} {}", reflectance(1.0));
     }
 }
@@ -89,11 +94,12 @@ fn a_half_space_reflects_what_the_h_function_says() {
 #[test]
 fn slabs_agree_with_printed_tables() {
     // H. C. van de Hulst, Multiple Light Scattering, 1980, table 35: τ = 2, a = 0.9, g = 0.75, no boundaries.
-    let [back, through] = beam(medium(90.0, 10.0, 0.75, 1.0), Some(0.02), 200_000);
-    assert!((back - 0.09739).abs() < 2e-3 && (through - 0.66096).abs() < 3.5e-3, "{back} {through}");
+    let [back, through, _] = beam(medium(90.0, 10.0, 0.75, 1.0), Some(0.02), 150_000);
+    // One standard deviation is 8e-4 and 1.2e-3.
+    assert!((back - 0.09739).abs() < 2.5e-3 && (through - 0.66096).abs() < 4e-3, "{back} {through}");
     // R. G. Giovanelli, Optica Acta 2, 1955: half space, a = 0.9, isotropic, index 1.5: 0.2600 with the surface's own reflection.
-    let [back, _] = beam(medium(90.0, 10.0, 0.0, 1.5), None, 200_000);
-    assert!((back - 0.26).abs() < 3e-3, "{back}");
+    let [back, ..] = beam(medium(90.0, 10.0, 0.0, 1.5), None, 150_000);
+    assert!((back - 0.26).abs() < 4e-3, "{back}");
 }
 
 #[test]
@@ -101,12 +107,9 @@ fn nothing_is_lost_without_absorption() {
     for ior in [1.0, 1.5, 2.5, 0.7] {
         for g in [-0.99, 0.0, 0.99] {
             for (sigma_s, thickness) in [(1e-4, Some(0.01)), (20.0, Some(0.2)), (1e3, Some(1.0)), (50.0, None)] {
-                let parts = slab(medium(sigma_s, 0.0, g, ior), thickness, 100);
-                // Weights stay exactly 1 without jumps; sums of 100 are exact.
-                assert!(
-                    (parts.iter().sum::<f64>() - 1.0).abs() < 1e-12,
-                    "{ior} {g} {sigma_s} {thickness:?}: {parts:?}"
-                );
+                let parts = slab(medium(sigma_s, 0.0, g, ior), thickness, 64);
+                // Weights stay exactly 1, and sums of 64 are exact.
+                assert_eq!(parts.iter().sum::<f64>(), 1.0, "{ior} {g} {sigma_s} {thickness:?}: {parts:?}");
                 assert_eq!(parts[2], 0.0, "{ior} {g} {sigma_s} {thickness:?}");
                 assert!(thickness.is_some() || parts[1] == 0.0);
             }
@@ -146,7 +149,7 @@ fn without_scattering_light_passes_by_beer_and_fresnel() {
             let f = 0.5 * (across + along);
             let a = f64::exp(-sigma_a * thickness / cos_t);
             let through = (1.0 - f).powi(2) * a / (1.0 - (f * a).powi(2));
-            [f + f * a * through, through]
+            [f + f * a * through, through, f]
         };
         let [back, through, given_up] = slab(medium(0.0, sigma_a as f32, 0.0, ior), Some(thickness as f32), 100_000);
         let expected = [flux(|mu| parts(mu)[0]), flux(|mu| parts(mu)[1])];
@@ -157,11 +160,7 @@ fn without_scattering_light_passes_by_beer_and_fresnel() {
         assert_eq!(given_up, 0.0);
         // Without an end below, all that enters stays.
         let [back, through, _] = slab(medium(0.0, sigma_a as f32, 0.0, ior), None, 100_000);
-        let surface = flux(|mu| {
-            parts(mu)[0]
-                - parts(mu)[1] * f64::exp(-sigma_a * thickness / (1.0 - (1.0 - mu * mu) / (n * n)).sqrt()) * 0.0
-        });
-        assert!(through == 0.0 && (ior > 1.0 || back == 0.0) && back <= surface + 4e-3, "{ior}: {back} {surface}");
+        assert!(through == 0.0 && (back - flux(|mu| parts(mu)[2])).abs() < 4e-3, "{ior}: {back}");
     }
 }
 
