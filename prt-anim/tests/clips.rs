@@ -118,7 +118,7 @@ proptest! {
         let found = rotation_at(keys, t);
         prop_assert!((found.length() - 1.0).abs() < 1e-12);
         // A half turn has two shorter arcs.
-        prop_assume!(angle.abs() < 3.14);
+        prop_assume!(angle.abs() < 3.1);
         prop_assert!(found.dot(expected).abs() > 1.0 - 1e-9, "{found} {expected}");
     }
 

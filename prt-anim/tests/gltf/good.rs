@@ -164,3 +164,27 @@ fn gltf_with_files_and_data() {
     let beside = prt_anim::load_character(&write("test.gltf", document.to_string().as_bytes())).unwrap();
     assert!(beside == whole);
 }
+
+/// Two skins number their joints each for itself; a mesh that uses both nodes' skins gets the bones of both.
+#[test]
+fn several_skins() {
+    let mut builder = Builder::default();
+    let positions = builder.floats(&TRIANGLE);
+    let joints = builder.accessor("VEC4", 5121, 3, &[1, 0, 0, 0].repeat(3));
+    let weights = builder.floats(&[[1.0, 0.0, 0.0, 0.0]; 3]);
+    let attributes = json!({"POSITION": positions, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    let character = builder
+        .load(json!({
+            "nodes": [
+                {"mesh": 0, "skin": 0}, {"mesh": 0, "skin": 1}, {"mesh": 0, "skin": 0},
+                {"translation": [5, 0, 0]}, {"translation": [0, 7, 0]}, {"translation": [0, 0, 9]},
+            ],
+            "skins": [{"joints": [3, 4]}, {"joints": [4, 5]}],
+            "meshes": [{"primitives": [{"attributes": attributes}]}],
+        }))
+        .unwrap();
+    let [up, out] = [TRIANGLE.map(|[x, y, z]| [x, y + 7.0, z]), TRIANGLE.map(|[x, y, z]| [x, y, z + 9.0])];
+    assert_near(character.mesh.positions(), &[up, out, up].concat());
+    let bones: Vec<usize> = character.mesh.skin.parts().bones.iter().map(|bone| bone.joint).collect();
+    assert_eq!(bones, [3, 4, 4, 5]);
+}
