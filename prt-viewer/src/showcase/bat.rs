@@ -154,7 +154,7 @@ impl Shape {
 
 /// A point of the left wing: `s` along the span, `t` from the leading to the trailing edge, which is scalloped between the fingers.
 fn wing_point(s: f64, t: f64) -> DVec3 {
-    let leading = 0.10 + 0.34 * (PI * (0.12 + 0.80 * s)).sin() - 0.42 * s * s;
+    let leading = 0.10 + 0.34 * (PI * (0.12 + 0.80 * s)).sin() - 0.30 * s * s;
     let scallop = 0.11 * (3.0 * PI * s).sin().abs() * (1.0 - 0.4 * s);
     let trailing = -0.50 + 0.36 * s.powf(1.5) + scallop;
     let arch = 0.10 * (PI * s).sin() + 0.04 * (PI * t).sin() * (1.0 - s);

@@ -9,13 +9,16 @@ use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::{Quat, Vec3};
-use prt_bake::{BakeOptions, Mesh, MeshOptions, MeshSource, bake_diffuse};
+use prt_bake::{BakeOptions, Mesh, MeshOptions, MeshSource, TransferVectors, bake_diffuse};
 use sh_core::Order;
+use sh_fit::Neighbours;
 
 use super::*;
 use crate::camera::{DEFAULT_FOV, Orbit, Side};
+use crate::model::Content;
 use crate::motion::Motion;
 use crate::sky::BuiltIn;
+use crate::verb::fit::{self, FitArguments, Targets};
 use crate::window::wgpu_setup;
 
 /// Pixels of the window, `[row][column]`.
@@ -56,8 +59,18 @@ fn scene() -> prt_bake::BakedSurface {
     bake_diffuse(&mesh, &options, &()).unwrap().0
 }
 
-fn subject(folder: &Path) -> Subject {
-    let model = Model::from(scene());
+/// The scene with lobes in place of its transfer vectors.
+fn lobes() -> Model {
+    let baked = scene();
+    let neighbours = Neighbours::from_triangles(baked.geometry.vertex_count(), &baked.geometry.triangles).unwrap();
+    let TransferVectors { order, channels, values } = &baked.transfer;
+    let targets = Targets { order: *order, channels: *channels, values, neighbours: &neighbours };
+    let arguments = FitArguments::lobes(4);
+    let fitted = arguments.fit(&targets, &arguments.options(0, None)).unwrap();
+    Model { content: Content::Lobes(fit::surface(baked, &fitted)), actor: None, membrane: None }
+}
+
+fn subject(folder: &Path, model: Model) -> Subject {
     let order = model.order();
     let orbit = Orbit::framing(&model.geometry().positions, Side::ThreeQuarter, Vec3::Y, DEFAULT_FOV, 1.0);
     Subject {
@@ -94,7 +107,11 @@ fn setup() -> WgpuSetup {
 }
 
 fn open(folder: &Path) -> Harness<'static, App> {
-    let subject = subject(folder);
+    open_model(folder, Model::from(scene()))
+}
+
+fn open_model(folder: &Path, model: Model) -> Harness<'static, App> {
+    let subject = subject(folder, model);
     let harness = Harness::builder().with_size([WIDTH as f32, HEIGHT as f32]).wgpu_setup(setup()).with_max_steps(30);
     harness.build_eframe(move |context| {
         let state = context.wgpu_render_state.as_ref().unwrap();
@@ -191,6 +208,42 @@ fn the_picture_follows_mouse_keys_and_panel() {
     harness.get_by_label("In the background").click();
     let black = picture(harness);
     assert_eq!(black[0][..3], [0; 3], "no background");
+}
+
+#[test]
+fn lobes_follow_the_sliders_and_time() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let harness = &mut open_model(folder.path(), lobes());
+    let rest = picture(harness);
+    let vectors = picture(&mut open(folder.path()));
+    assert!(difference(&rest, &vectors) < 1.0, "at rest lobes are the transfer that they were fitted to");
+
+    harness.state_mut().settings.motion.twist = 90.0;
+    let twisted = picture(harness);
+    assert!(difference(&rest, &twisted) > 1.0, "the model is twisted");
+    harness.key_press(Key::Num4);
+    let traced = picture(harness);
+    harness.key_press(Key::Num2);
+    let undeformed = picture(harness);
+    let [lobes, undeformed] = [&twisted, &undeformed].map(|picture| difference(picture, &traced));
+    assert!(lobes < undeformed, "from the truth: lobes {lobes}, undeformed {undeformed}");
+
+    harness.get_by_label("Lobes").click();
+    assert!(difference(&twisted, &picture(harness)) < 0.01);
+    harness.state_mut().settings.is_direct = true;
+    assert!(difference(&twisted, &picture(harness)) < 0.5, "the table is near");
+
+    harness.state_mut().settings.motion = Motion::default();
+    assert!(difference(&rest, &picture(harness)) < 0.5);
+    harness.state_mut().settings.motion.wave = 0.1;
+    let wave = picture(harness);
+    harness.key_press(Key::Space);
+    harness.run_steps(5);
+    assert!(harness.state().settings.plays);
+    assert!(difference(&wave, &picture(harness)) > 0.1, "the wave travels");
 }
 
 #[test]
