@@ -208,8 +208,8 @@ impl LobeRenderer {
         self.shade(None)?;
         let Some(layout) = self.shading.light.table_layout() else { return Ok(None) };
         let count = layout.texel_count() * layout.band_count;
-        let texels = read_buffer::<[f32; 4]>(&self.stage.gpu, self.shading.light.table(), count)?;
-        Ok(Some(LobeTable { layout, texels }))
+        let bands = read_buffer::<[f32; 4]>(&self.stage.gpu, self.shading.light.table(), count)?;
+        Ok(Some(LobeTable::from_bands(layout, &bands)))
     }
 
     fn record_shading(&mut self, encoder: &mut wgpu::CommandEncoder, eye: Option<[f32; 3]>) -> Result<(), Error> {
