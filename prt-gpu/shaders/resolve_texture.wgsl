@@ -8,13 +8,14 @@ struct TextureParams {
     size: vec2<u32>,
     // Texels per unit of uv.
     scale: vec2<f32>,
-    // 0: all nearest; 1: explicit coefficients bilinear; 2: all bilinear.
-    sampling: u32,
     // 1 if the records end with an albedo; its first item.
     has_albedo: u32,
     albedo_item: u32,
-    padding: u32,
+    padding: vec2<u32>,
 }
+
+// 0: all nearest; 1: explicit coefficients bilinear; 2: all bilinear.
+override SAMPLING: u32 = 1u;
 
 // [vertices, 3], the columns of the frame in xyz and the position in w
 @group(0) @binding(4) var<storage, read> pose: array<vec4<f32>>;
@@ -123,11 +124,11 @@ fn surface_radiance(triangle: u32, at: Hit) -> vec3<f32> {
     let place = texture_place(point.uv);
     let near = nearest_texel(place);
     var around = near;
-    if texture_params.sampling > 0u {
+    if SAMPLING > 0u {
         around = bilinear_texels(place);
     }
     var lobe_taps = near;
-    if texture_params.sampling == 2u {
+    if SAMPLING == 2u {
         lobe_taps = around;
     }
     let light = transferred(around, lobe_taps, local, view_place(point.position, local));

@@ -11,7 +11,7 @@
 @group(0) @binding(3) var<storage, read_write> radiance: array<vec4<f32>>;
 
 fn vertex_view(vertex: u32, frame: mat3x3<f32>) -> ViewPlace {
-    if lobe_params.view_size == 0u {
+    if !HAS_VIEW_MAP {
         return view_place(vec3(0.0), frame);
     }
     let first = 3u * vertex;

@@ -7,20 +7,24 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 /// Accuracy: 1e-7 absolute (tested).
 ///
 /// Source: M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions", 4.4.49.
+#[inline(always)]
 pub(crate) fn atan_unit(x: f32) -> f32 {
     let t = x * x;
-    let mut p = 0.002_866_225_7;
-    for a in
-        [-0.016_165_737, 0.042_909_614, -0.075_289_64, 0.106_562_64, -0.142_088_99, 0.199_935_51, -0.333_331_45, 1.0]
-    {
-        p = p * t + a;
-    }
+    let p = 0.002_866_225_7 * t - 0.016_165_737;
+    let p = p * t + 0.042_909_614;
+    let p = p * t - 0.075_289_64;
+    let p = p * t + 0.106_562_64;
+    let p = p * t - 0.142_088_99;
+    let p = p * t + 0.199_935_51;
+    let p = p * t - 0.333_331_45;
+    let p = p * t + 1.0;
     x * p
 }
 
 /// The angle of the point `(x, y)` from the x axis as a share of a full turn, 0 to 1; 0 for the origin.
 ///
 /// Accuracy: 5e-8 absolute (tested). Without branches, so that loops over it are vectorised.
+#[inline(always)]
 pub(crate) fn turn(y: f32, x: f32) -> f32 {
     let (width, height) = (x.abs(), y.abs());
     // The smallest normal number keeps 0/0 away and changes no other quotient.

@@ -132,11 +132,10 @@ pub(crate) struct TextureParams {
     pub(crate) size: [u32; 2],
     /// Texels per unit of uv.
     pub(crate) scale: [f32; 2],
-    pub(crate) sampling: u32,
     pub(crate) has_albedo: u32,
     /// Item of a record at which the albedo begins.
     pub(crate) albedo_item: u32,
-    pub(crate) padding: u32,
+    pub(crate) padding: [u32; 2],
 }
 
 /// `SkinParams` of `skin.wgsl`.

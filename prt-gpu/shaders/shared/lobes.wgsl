@@ -18,7 +18,7 @@ struct LobeParams {
     used_bands: u32,
     // The first of them, 1 or 2.
     first_band: u32,
-    // Without the border; width 0 evaluates the light directly.
+    // Without the border.
     table_width: u32,
     table_height: u32,
     // Texels of a side; 0 for none.
@@ -34,6 +34,16 @@ struct LobeParams {
     // [n^2], three channels beside each other
     light: array<vec4<f32>, 100>,
 }
+
+// What is constant for a pipeline: software adapters run both sides of a branch.
+
+// Bands of the light in use, and the first band that lobes have.
+override ORDER: u32 = 10u;
+override FIRST_BAND: u32 = 1u;
+override USE_TABLE: bool = true;
+// One channel of transfer.
+override IS_GREY: bool = true;
+override HAS_VIEW_MAP: bool = false;
 
 @group(0) @binding(10) var<uniform> lobe_params: LobeParams;
 @group(0) @binding(11) var<storage, read> lobes: array<f32>;
@@ -68,7 +78,7 @@ fn item(taps: Taps, i: u32) -> f32 {
 
 // An item of all channels, `stride` items apart.
 fn channels(taps: Taps, i: u32, stride: u32) -> vec3<f32> {
-    if lobe_params.channels == 1u {
+    if IS_GREY {
         return vec3(item(taps, i));
     }
     return vec3(item(taps, i), item(taps, i + stride), item(taps, i + 2u * stride));
@@ -76,7 +86,7 @@ fn channels(taps: Taps, i: u32, stride: u32) -> vec3<f32> {
 
 // Explicit coefficients of a row under the light. The linear band is a vector, which the frame turns like a direction.
 fn explicit_radiance(taps: Taps, row: u32, frame: mat3x3<f32>) -> vec3<f32> {
-    let k = lobe_params.explicit_count;
+    let k = FIRST_BAND * FIRST_BAND;
     let first = row * lobe_params.channels * k;
     let dc = channels(taps, first, k) * light_coefficient(0u);
     if k == 1u {
@@ -138,7 +148,7 @@ fn table_place(s: vec3<f32>) -> Place {
 
 // A band of the table, bilinear.
 fn table_band(place: Place, band: u32) -> vec3<f32> {
-    let bands = lobe_params.used_bands;
+    let bands = ORDER - FIRST_BAND;
     let top = place.texel * bands + band;
     let bottom = top + (lobe_params.table_width + 1u) * bands;
     let upper = mix(table[top].xyz, table[top + bands].xyz, place.share.x);
@@ -159,7 +169,7 @@ fn coefficients(taps: Taps, lobe: Lobe, band: u32) -> vec3<f32> {
 fn from_table(taps: Taps, lobe: Lobe, axis: vec3<f32>) -> vec3<f32> {
     let place = table_place(axis);
     var sum = vec3(0.0);
-    for (var band = 0u; band < lobe_params.used_bands; band++) {
+    for (var band = 0u; band < ORDER - FIRST_BAND; band++) {
         sum += coefficients(taps, lobe, band) * table_band(place, band);
     }
     return sum;
@@ -167,15 +177,15 @@ fn from_table(taps: Taps, lobe: Lobe, axis: vec3<f32>) -> vec3<f32> {
 
 // Band l of the light times the lobe's coefficient, 0 where that band is explicit or not in use.
 fn band_radiance(taps: Taps, lobe: Lobe, l: u32, band: vec3<f32>) -> vec3<f32> {
-    if l < lobe_params.first_band || l >= lobe_params.first_band + lobe_params.used_bands {
+    if l < FIRST_BAND || l >= ORDER {
         return vec3(0.0);
     }
-    return coefficients(taps, lobe, l - lobe_params.first_band) * band;
+    return coefficients(taps, lobe, l - FIRST_BAND) * band;
 }
 
 // Constant indices, so that the bands stay in registers.
 fn from_basis(taps: Taps, lobe: Lobe, axis: vec3<f32>) -> vec3<f32> {
-    let bands = light_bands(axis, lobe_params.first_band + lobe_params.used_bands);
+    let bands = light_bands(axis, ORDER);
     var sum = band_radiance(taps, lobe, 1u, bands[1]);
     sum += band_radiance(taps, lobe, 2u, bands[2]);
     sum += band_radiance(taps, lobe, 3u, bands[3]);
@@ -196,7 +206,7 @@ fn lobe_radiance(taps: Taps, row: u32, frame: mat3x3<f32>) -> vec3<f32> {
     for (var j = 0u; j < count; j++) {
         let lobe = Lobe(row_first + j * lobe_params.stored_bands, stride);
         let axis = frame * lobe_axis(taps, row * count + j);
-        if lobe_params.table_width > 0u {
+        if USE_TABLE {
             sum += from_table(taps, lobe, axis);
         } else {
             sum += from_basis(taps, lobe, axis);
@@ -238,7 +248,7 @@ fn square_from_hemisphere(v: vec3<f32>) -> vec2<f32> {
 
 // Looks from a point with a local frame to the eye; along its normal without an eye.
 fn view_place(position: vec3<f32>, local: mat3x3<f32>) -> ViewPlace {
-    if lobe_params.view_size == 0u {
+    if !HAS_VIEW_MAP {
         return ViewPlace(vec4(0u), vec4(0.0));
     }
     var direction = vec3(0.0, 0.0, 1.0);
@@ -256,7 +266,7 @@ fn view_place(position: vec3<f32>, local: mat3x3<f32>) -> ViewPlace {
 }
 
 fn view_factor(place: ViewPlace, row: u32) -> f32 {
-    if lobe_params.view_size == 0u {
+    if !HAS_VIEW_MAP {
         return 1.0;
     }
     let at = place.texels * lobe_params.rows + row;

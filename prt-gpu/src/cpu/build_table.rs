@@ -1,5 +1,5 @@
 use crate::LobeTable;
-use crate::table::TableLayout;
+use crate::table::{Block, TableLayout};
 use sh_core::{Basis, Order};
 
 /// Directions whose basis functions are evaluated at once.
@@ -21,11 +21,12 @@ pub fn build_table(light: &[f32], order: Order, first_band: usize, width: usize,
     assert_eq!(light.len(), 3 * order.coeff_count(), "length of the light");
     assert!(width > 0 && width % 2 == 0 && height > 0, "a table of {width} x {height}");
     let layout = TableLayout { width, height, band_count: order.get().saturating_sub(first_band) };
-    let mut texels = vec![[0.0; 4]; layout.texel_count() * layout.band_count];
+    let blocks = layout.block_count();
+    let mut texels = vec![[[0.0; 4]; 3]; layout.texel_count() * blocks];
     if layout.band_count > 0 {
-        let directions: Vec<[f32; 3]> = layout.directions().collect();
+        let directions = layout.directions();
         let (bands, mut basis) = (LightBands::new(light, order, first_band), Vec::new());
-        for (directions, texels) in directions.chunks(CHUNK).zip(texels.chunks_mut(CHUNK * layout.band_count)) {
+        for (directions, texels) in directions.chunks(CHUNK).zip(texels.chunks_mut(CHUNK * blocks)) {
             bands.evaluate(directions, &mut basis, texels);
         }
     }
@@ -46,16 +47,26 @@ impl LightBands {
         Self { basis: Basis::new(order), first_band, coeffs: interleave(light, order) }
     }
 
-    /// `out[d, l − first_band] = ê_l(directions[d])`; `y` is room for the basis functions.
-    pub(super) fn evaluate(&self, directions: &[[f32; 3]], y: &mut Vec<f32>, out: &mut [[f32; 4]]) {
+    /// `out[d]` is `ê(directions[d])`, `⌈bands/4⌉` blocks as a texel of a table. `y` is room for the basis functions.
+    pub(super) fn evaluate(&self, directions: &[[f32; 3]], y: &mut Vec<f32>, out: &mut [Block]) {
         let (order, count) = (self.basis.order(), self.coeffs.len());
         y.resize(directions.len() * count, 0.0);
         self.basis.eval_batch(directions, y);
-        let bands = order.get() - self.first_band;
-        for (y, out) in y.chunks_exact(count).zip(out.chunks_exact_mut(bands)) {
-            for ((_, range), out) in order.bands().skip(self.first_band).zip(out) {
-                *out = weighted_sum(&y[range.clone()], &self.coeffs[range]);
+        let blocks = (order.get() - self.first_band).div_ceil(4);
+        for (y, out) in y.chunks_exact(count).zip(out.chunks_exact_mut(blocks)) {
+            for (block, out) in out.iter_mut().enumerate() {
+                let bands: [[f32; 4]; 4] = std::array::from_fn(|i| self.band(y, self.first_band + 4 * block + i));
+                *out = std::array::from_fn(|c| bands.map(|band| band[c]));
             }
+        }
+    }
+
+    /// `ê_l`, or zeros beyond the last band.
+    #[inline(always)]
+    fn band(&self, y: &[f32], l: usize) -> [f32; 4] {
+        match l < self.basis.order().get() {
+            true => weighted_sum(&y[l * l..(l + 1) * (l + 1)], &self.coeffs[l * l..(l + 1) * (l + 1)]),
+            false => [0.0; 4],
         }
     }
 }

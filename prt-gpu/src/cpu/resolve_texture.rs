@@ -1,5 +1,5 @@
 use super::rasterize::{Paint, Point, blend};
-use super::shade_lobes::{LobeLight, PointLobes, view_factors};
+use super::shade_lobes::{Bands, LobeLight, PointLobes, view_factors};
 use crate::frame::{orthonormal_or_replaced, orthonormalised, rotate, unit};
 use crate::triangle::exact_perspective_weights;
 use crate::{LobeSampling, LobeTexture, TexturedSurface};
@@ -44,8 +44,7 @@ pub(super) struct Scratch {
     explicit: Vec<f32>,
     coeffs: Vec<f32>,
     axes: Vec<[f32; 3]>,
-    basis: Vec<f32>,
-    bands: Vec<[f32; 4]>,
+    bands: Bands,
     factors: Vec<f32>,
 }
 
@@ -70,14 +69,14 @@ impl Paint for TexturePaint<'_> {
         };
         scratch.fetch(&surface.texture, &explicit, &lobes);
         scratch.axes.iter_mut().for_each(|axis| *axis = rotate(&frame, *axis));
-        self.light.evaluate(&scratch.axes, &mut scratch.basis, &mut scratch.bands);
+        self.light.evaluate(&scratch.axes, &mut scratch.bands);
         scratch.factors.resize(surface.texture.lobes.shape.rows, 1.0);
         if let Some(map) = surface.texture.lobes.view_map {
             view_factors(map, &frame, position(), self.eye, &mut scratch.factors);
         }
         let lobes = PointLobes { explicit: &scratch.explicit, coeffs: &scratch.coeffs };
         let shape = &surface.texture.lobes.shape;
-        let transferred = self.light.transfer(shape, lobes, &frame, &scratch.bands, &scratch.factors);
+        let transferred = self.light.transfer(shape, lobes, &frame, (&scratch.bands, 0), &scratch.factors);
         let texel = explicit.albedo(&surface.texture);
         std::array::from_fn(|c| (albedo[c] * texel[c]) * transferred[c])
     }

@@ -1,6 +1,7 @@
 use super::build_table::{LightBands, build_table, interleave};
 use crate::frame::{IDENTITY, orthonormal_or_replaced, rotate, to_local, unit};
 use crate::lobes::LobeShape;
+use crate::table::{Block, Place};
 use crate::{Evaluation, LobeSurface, LobeTable, Lobes, ViewMap};
 use rayon::prelude::*;
 use sh_core::{Order, index};
@@ -53,8 +54,7 @@ pub fn shade_lobes(
 struct Scratch {
     frames: Vec<Frame3>,
     axes: Vec<[f32; 3]>,
-    basis: Vec<f32>,
-    bands: Vec<[f32; 4]>,
+    bands: Bands,
     factors: Vec<f32>,
 }
 
@@ -72,8 +72,8 @@ impl Scratch {
         self.frames.clear();
         self.frames.extend((first..first + out.len()).map(frame));
         self.rotate_axes(&surface.lobes, first);
-        light.evaluate(&self.axes, &mut self.basis, &mut self.bands);
-        let (shape, per_point) = (surface.lobes.shape, surface.lobes.shape.axis_count() * light.band_count);
+        light.evaluate(&self.axes, &mut self.bands);
+        let shape = surface.lobes.shape;
         self.factors.resize(shape.rows, 1.0);
         for (k, out) in out.iter_mut().enumerate() {
             let (v, frame) = (first + k, &self.frames[k]);
@@ -83,8 +83,8 @@ impl Scratch {
                 view_factors(map, &local, surface.positions[v], eye, &mut self.factors);
             }
             let lobes = PointLobes::of(&surface.lobes, v);
-            let bands = &self.bands[k * per_point..(k + 1) * per_point];
-            let transferred = light.transfer(&shape, lobes, frame, bands, &self.factors);
+            let first = k * shape.axis_count();
+            let transferred = light.transfer(&shape, lobes, frame, (&self.bands, first), &self.factors);
             *out = std::array::from_fn(|c| surface.albedo[v][c] * transferred[c]);
         }
     }
@@ -171,71 +171,123 @@ impl LobeLight {
         }
     }
 
-    /// `out[a, l]` is `ê` of the `l`-th band of lobes at `axes[a]`; `basis` is room.
-    pub(super) fn evaluate(&self, axes: &[[f32; 3]], basis: &mut Vec<f32>, out: &mut Vec<[f32; 4]>) {
-        out.resize(axes.len() * self.band_count, [0.0; 4]);
+    /// Places axes in the table, or evaluates their bands.
+    pub(super) fn evaluate(&self, axes: &[[f32; 3]], out: &mut Bands) {
         if self.band_count == 0 {
             return;
         }
         match &self.source {
-            Source::Direct(bands) => bands.evaluate(axes, basis, out),
-            Source::Table(table) => {
-                for (axis, out) in axes.iter().zip(out.chunks_exact_mut(self.band_count)) {
-                    table.sample(*axis, out);
-                }
+            Source::Table(table) => table.layout.places(axes, &mut out.places),
+            Source::Direct(bands) => {
+                out.blocks.resize(axes.len() * self.block_count(), [[0.0; 4]; 3]);
+                bands.evaluate(axes, &mut out.basis, &mut out.blocks);
             }
         }
     }
 
+    /// Blocks of four bands per channel.
+    fn block_count(&self) -> usize {
+        self.band_count.div_ceil(4)
+    }
+
     /// Radiance of a point without its albedo.
     ///
-    /// - `bands`: `[R, N, bands]` as [`LobeLight::evaluate`] makes them
+    /// - `bands`: as [`LobeLight::evaluate`] makes them, and the number of the point's first axis
     /// - `factors`: `[R]`
     pub(super) fn transfer(
         &self,
         shape: &LobeShape,
         lobes: PointLobes<'_>,
         frame: &Frame3,
-        bands: &[[f32; 4]],
+        (bands, first_axis): (&Bands, usize),
         factors: &[f32],
     ) -> [f32; 3] {
-        let LobeShape { channels, lobe_count, explicit_count, .. } = *shape;
-        let n = shape.order.get();
+        let (k, n) = (shape.explicit_count, shape.channels * shape.lobe_count * shape.order.get());
         let mut sum = [0.0; 3];
         for (r, factor) in factors.iter().enumerate() {
-            let bands = &bands[r * lobe_count * self.band_count..(r + 1) * lobe_count * self.band_count];
-            for c in 0..channels {
-                let row = r * channels + c;
-                let explicit = &lobes.explicit[row * explicit_count..(row + 1) * explicit_count];
-                let coeffs = &lobes.coeffs[row * lobe_count * n..(row + 1) * lobe_count * n];
-                let value = self.row(shape, explicit, coeffs, frame, bands);
-                match channels {
-                    1 => sum = std::array::from_fn(|c| sum[c] + factor * value[c]),
-                    _ => sum[c] += factor * value[c],
-                }
+            let explicit = &lobes.explicit[r * shape.channels * k..(r + 1) * shape.channels * k];
+            let mut row = self.explicit(explicit, k, frame);
+            if self.band_count > 0 {
+                let axis = first_axis + r * shape.lobe_count;
+                let lobes = self.lobes(shape, &lobes.coeffs[r * n..(r + 1) * n], bands, axis);
+                row = std::array::from_fn(|c| row[c] + lobes[c]);
             }
+            sum = std::array::from_fn(|c| sum[c] + factor * row[c]);
         }
         sum
     }
 
-    /// One transfer vector under all channels of the light.
-    fn row(&self, shape: &LobeShape, explicit: &[f32], coeffs: &[f32], frame: &Frame3, bands: &[[f32; 4]]) -> [f32; 4] {
-        let mut sum = self.dc.map(|e| explicit[0] * e);
-        if let [_, f1, f2, f3] = *explicit {
+    /// Explicit coefficients `[C, k]` under the light.
+    fn explicit(&self, explicit: &[f32], k: usize, frame: &Frame3) -> [f32; 3] {
+        let [x, y, z] = self.linear;
+        std::array::from_fn(|c| {
+            let channel = if explicit.len() > k { &explicit[c * k..(c + 1) * k] } else { explicit };
+            let dc = channel[0] * self.dc[c];
+            let [_, f1, f2, f3] = *channel else { return dc };
             // The linear band is a vector, which the frame turns like a direction.
             let vector = rotate(frame, [-f3, -f1, f2]);
-            let [x, y, z] = self.linear;
-            sum = std::array::from_fn(|c| sum[c] + (vector[0] * x[c] + vector[1] * y[c]) + vector[2] * z[c]);
-        }
-        if self.band_count == 0 {
-            return sum;
-        }
-        let first = shape.first_band();
-        for (lobe, bands) in coeffs.chunks_exact(shape.order.get()).zip(bands.chunks_exact(self.band_count)) {
-            for (g, band) in lobe[first..].iter().zip(bands) {
-                sum = std::array::from_fn(|c| sum[c] + g * band[c]);
+            dc + ((vector[0] * x[c] + vector[1] * y[c]) + vector[2] * z[c])
+        })
+    }
+
+    /// The lobes of a row, `[C, N, n]`, under the light.
+    fn lobes(&self, shape: &LobeShape, coeffs: &[f32], bands: &Bands, first_axis: usize) -> [f32; 3] {
+        let (axes, blocks) = (first_axis..first_axis + shape.lobe_count, self.block_count());
+        let mut sum = [[0.0; 4]; 3];
+        for block in 0..blocks {
+            match &self.source {
+                Source::Table(table) => {
+                    let bands = bands.places[axes.clone()].iter().map(|place| table.block(place, block, blocks));
+                    self.add_lobes(shape, coeffs, block, bands, &mut sum);
+                }
+                Source::Direct(_) => {
+                    let bands = axes.clone().map(|axis| bands.blocks[axis * blocks + block]);
+                    self.add_lobes(shape, coeffs, block, bands, &mut sum);
+                }
             }
         }
-        sum
+        sum.map(|[a, b, c, d]| (a + b) + (c + d))
+    }
+
+    /// Adds four bands of all lobes of a row.
+    #[inline(always)]
+    fn add_lobes(
+        &self,
+        shape: &LobeShape,
+        coeffs: &[f32],
+        block: usize,
+        bands: impl Iterator<Item = Block>,
+        sum: &mut Block,
+    ) {
+        let (n, first) = (shape.order.get(), shape.first_band());
+        let used = first + 4 * block..first + self.band_count;
+        let channel = shape.lobe_count * n;
+        for ((j, lobe), e) in coeffs[..channel].chunks_exact(n).enumerate().zip(bands) {
+            let grey = four(&lobe[used.clone()]);
+            let g = match shape.channels {
+                3 => [0, 1, 2].map(|c| four(&coeffs[c * channel + j * n..][used.clone()])),
+                _ => [grey; 3],
+            };
+            *sum = std::array::from_fn(|c| std::array::from_fn(|i| sum[c][i] + g[c][i] * e[c][i]));
+        }
+    }
+}
+
+/// A light's bands at some axes: where they are in its table, or themselves.
+#[derive(Debug, Default)]
+pub(super) struct Bands {
+    places: Vec<Place>,
+    /// `[axes, ⌈bands/4⌉]`.
+    blocks: Vec<Block>,
+    /// Room for the basis functions.
+    basis: Vec<f32>,
+}
+
+/// The first four coefficients, zeros beyond the last.
+#[inline(always)]
+fn four(lobe: &[f32]) -> [f32; 4] {
+    match lobe.first_chunk::<4>() {
+        Some(four) => *four,
+        None => std::array::from_fn(|i| lobe.get(i).copied().unwrap_or(0.0)),
     }
 }

@@ -5,7 +5,6 @@ use crate::shaders::BUILD_TABLE;
 use crate::table::TableLayout;
 use crate::{Error, Gpu};
 use bytemuck::Zeroable;
-use std::f64::consts::{PI, TAU};
 use wgpu::BufferUsages as Usage;
 
 /// Invocations per workgroup, as in the shader.
@@ -43,7 +42,7 @@ pub(crate) struct TableBuffers {
 impl TableBuffers {
     pub(crate) fn new(gpu: &Gpu, layout: TableLayout) -> Result<Self, Error> {
         let params = GpuVec::new(gpu, "table parameters", Usage::UNIFORM, 1)?;
-        let angles = GpuVec::with_data(gpu, "angles of a table", Usage::STORAGE, &angles(&layout))?;
+        let angles = GpuVec::with_data(gpu, "angles of a table", Usage::STORAGE, &layout.angles())?;
         let count = layout.texel_count() * layout.band_count;
         let texels = GpuVec::new(gpu, "table of a light", Usage::STORAGE | Usage::COPY_SRC, count)?;
         let bindings = gpu.lobe_passes()?.build_table.pipeline.get_bind_group_layout(0);
@@ -74,13 +73,4 @@ impl TableBuffers {
     pub(crate) fn texels(&self) -> &wgpu::Buffer {
         self.texels.buffer()
     }
-}
-
-/// Sines and cosines of the longitudes of columns and the latitudes of rows, border included: those of a GPU are not exact.
-fn angles(layout: &TableLayout) -> Vec<[f32; 2]> {
-    let sine_cosine = |angle: f64| [angle.sin() as f32, angle.cos() as f32];
-    // The border's column is the first one, bit by bit.
-    let columns = (0..layout.columns()).map(|i| TAU * ((i % layout.width) as f64 + 0.5) / layout.width as f64);
-    let rows = (0..layout.height + 2).map(|j| PI * (j as f64 - 0.5) / layout.height as f64);
-    columns.chain(rows).map(sine_cosine).collect()
 }

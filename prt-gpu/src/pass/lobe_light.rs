@@ -1,3 +1,4 @@
+use super::Constants;
 use super::build_table::TableBuffers;
 use crate::buffers::GpuVec;
 use crate::cpu::interleave;
@@ -99,6 +100,18 @@ impl LobeLight {
             gpu.lobe_passes()?.build_table.record(encoder, &self.table);
         }
         Ok(())
+    }
+
+    /// What the pipelines that shade are compiled for; it changes with the light's order and the evaluation.
+    pub(crate) fn constants(&self) -> Constants {
+        Constants {
+            order: self.params.first_band + self.params.used_bands,
+            first_band: self.params.first_band,
+            use_table: self.params.table_width > 0,
+            is_grey: self.params.channels == 1,
+            has_view_map: self.params.view_size > 0,
+            sampling: None,
+        }
     }
 
     pub(crate) fn params(&self) -> &LobeParams {

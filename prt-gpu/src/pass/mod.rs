@@ -9,18 +9,20 @@ mod resolve_texture;
 mod shade_lobes;
 mod shade_vector;
 mod skin;
+mod variant;
 
 pub(crate) use build_table::BuildTable;
 pub(crate) use draw_surface::DrawSurface;
 pub use present::{Background, PresentOptions, Presenter};
 pub(crate) use resolve::Resolve;
 pub(crate) use resolve_texture::TextureShading;
-pub(crate) use shade_lobes::{LobeShading, ShadeLobes};
+pub(crate) use shade_lobes::LobeShading;
 pub use shade_vector::ShadingLimits;
 pub(crate) use shade_vector::{ShadeVector, Shading};
 pub(crate) use skin::{SkinPass, Skinning};
+pub(crate) use variant::{Constants, Variants};
 
-use crate::shaders::{RESOLVE, RESOLVE_TEXTURE, Shader};
+use crate::shaders::{RESOLVE, RESOLVE_TEXTURE, SHADE_LOBES, Shader};
 
 /// The pipelines that every renderer uses.
 #[derive(Debug)]
@@ -44,18 +46,18 @@ impl Passes {
 #[derive(Debug)]
 pub(crate) struct LobePasses {
     pub(crate) build_table: BuildTable,
-    pub(crate) shade_lobes: ShadeLobes,
+    pub(crate) shade_lobes: Variants,
     pub(crate) skin: SkinPass,
-    pub(crate) resolve_texture: Resolve,
+    pub(crate) resolve_texture: Variants,
 }
 
 impl LobePasses {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
         Self {
             build_table: BuildTable::new(device),
-            shade_lobes: ShadeLobes::new(device),
+            shade_lobes: Variants::new(device, SHADE_LOBES),
             skin: SkinPass::new(device),
-            resolve_texture: Resolve::new(device, RESOLVE_TEXTURE),
+            resolve_texture: Variants::new(device, RESOLVE_TEXTURE),
         }
     }
 }

@@ -19,6 +19,11 @@ impl Resolve {
         Self { pipeline: compute_pipeline(device, shader) }
     }
 
+    /// A pass of another shader with the same target.
+    pub(crate) fn with_pipeline(pipeline: wgpu::ComputePipeline) -> Self {
+        Self { pipeline }
+    }
+
     /// Layout of the frame's parameters, screen vertices, corners, clip vertices and radiance.
     pub(crate) fn screen_layout(&self) -> wgpu::BindGroupLayout {
         self.pipeline.get_bind_group_layout(0)

@@ -1,4 +1,5 @@
 use super::lobe_light::LobeLight;
+use super::{Constants, Resolve};
 use crate::buffers::GpuVec;
 use crate::cpu::texels_per_uv;
 use crate::layout::{self, LobeParams, TextureParams};
@@ -16,9 +17,21 @@ pub(crate) struct TextureShading {
     lobe_params: GpuVec<LobeParams>,
     lobes: GpuVec<f32>,
     record_length: usize,
+    sampling: LobeSampling,
 }
 
 impl TextureShading {
+    /// The pass for what the light and its evaluation are now.
+    pub(crate) fn pass(&self, gpu: &Gpu) -> Result<Resolve, Error> {
+        let sampling = match self.sampling {
+            LobeSampling::Nearest => 0,
+            LobeSampling::PointLobes => 1,
+            LobeSampling::Bilinear => 2,
+        };
+        let constants = Constants { sampling: Some(sampling), ..self.light.constants() };
+        gpu.lobe_passes()?.resolve_texture.get(gpu, constants).map(Resolve::with_pipeline)
+    }
+
     /// Uploads texture, coordinates and albedo; the pose has identity frames.
     pub(crate) fn new(gpu: &Gpu, surface: &TexturedSurface<'_>) -> Result<Self, Error> {
         let texture = &surface.texture;
@@ -29,14 +42,9 @@ impl TextureShading {
         let params = TextureParams {
             size: [texture.width as u32, texture.height as u32],
             scale: texels_per_uv(surface),
-            sampling: match surface.sampling {
-                LobeSampling::Nearest => 0,
-                LobeSampling::PointLobes => 1,
-                LobeSampling::Bilinear => 2,
-            },
             has_albedo: u32::from(texture.albedo.is_some()),
             albedo_item: albedo_item as u32,
-            padding: 0,
+            padding: [0; 2],
         };
         let pose = layout::pack_pose(surface.positions, &[]);
         let mut shading = Self {
@@ -48,6 +56,7 @@ impl TextureShading {
             lobe_params: GpuVec::new(gpu, "shading parameters", Usage::UNIFORM, 1)?,
             lobes: GpuVec::with_data(gpu, "texture of lobes", Usage::STORAGE, &records(surface))?,
             record_length,
+            sampling: surface.sampling,
         };
         shading.set_albedo(gpu, surface.albedo)?;
         Ok(shading)

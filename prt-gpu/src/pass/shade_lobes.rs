@@ -1,35 +1,12 @@
 use super::lobe_light::LobeLight;
-use super::{ShadingLimits, bind_buffers, compute_pipeline};
+use super::{ShadingLimits, bind_buffers};
 use crate::buffers::GpuVec;
 use crate::layout::{self, Chunk, LobeParams};
-use crate::shaders::SHADE_LOBES;
 use crate::{Error, Gpu, LobeSurface};
 use wgpu::BufferUsages as Usage;
 
 /// Invocations per workgroup, as in the shader.
 const WORKGROUP: u32 = 64;
-
-/// Radiance of vertices from lobes.
-#[derive(Debug)]
-pub(crate) struct ShadeLobes {
-    pipeline: wgpu::ComputePipeline,
-}
-
-impl ShadeLobes {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
-        Self { pipeline: compute_pipeline(device, SHADE_LOBES) }
-    }
-
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, shading: &LobeShading) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.pipeline);
-        for part in &shading.parts {
-            let [x, y] = part.groups;
-            pass.set_bind_group(0, &part.bind_group, &[]);
-            pass.dispatch_workgroups(x, y, 1);
-        }
-    }
-}
 
 /// What the pass reads and writes for one surface.
 #[derive(Debug)]
@@ -40,6 +17,8 @@ pub(crate) struct LobeShading {
     albedo: GpuVec<[f32; 4]>,
     radiance: GpuVec<[f32; 4]>,
     parts: Vec<Part>,
+    /// Of the constants that the parts are bound for.
+    pipeline: wgpu::ComputePipeline,
 }
 
 /// One chunk of vertices.
@@ -61,8 +40,10 @@ impl LobeShading {
             (_, frames) => layout::pack_pose(surface.positions, frames.unwrap_or_default()),
         };
         let pose = layout::pack_pose(surface.positions, &[]);
+        let light = LobeLight::new(gpu, &surface.lobes)?;
         let mut shading = Self {
-            light: LobeLight::new(gpu, &surface.lobes)?,
+            pipeline: gpu.lobe_passes()?.shade_lobes.get(gpu, light.constants())?,
+            light,
             pose: GpuVec::with_data(gpu, "pose", Usage::STORAGE | Usage::COPY_SRC, &pose)?,
             local_frames: GpuVec::with_data(gpu, "local frames", Usage::STORAGE, &local)?,
             albedo: GpuVec::with_data(gpu, "albedo", Usage::STORAGE, &layout::pad(surface.albedo))?,
@@ -102,12 +83,24 @@ impl LobeShading {
             table,
             view_map,
         ];
-        let layout = gpu.lobe_passes()?.shade_lobes.pipeline.get_bind_group_layout(0);
+        let layout = self.pipeline.get_bind_group_layout(0);
         gpu.checked("binding buffers", || bind_buffers(gpu.device(), &layout, &buffers))
     }
 
-    /// Binds the table anew, after [`LobeLight::set_evaluation`].
+    /// Radiance of all vertices.
+    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        for part in &self.parts {
+            let [x, y] = part.groups;
+            pass.set_bind_group(0, &part.bind_group, &[]);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+    }
+
+    /// Compiles and binds anew, after a change of the light's order or evaluation.
     pub(crate) fn rebind(&mut self, gpu: &Gpu) -> Result<(), Error> {
+        self.pipeline = gpu.lobe_passes()?.shade_lobes.get(gpu, self.light.constants())?;
         let groups = self.parts.iter().map(|part| self.bind(gpu, &part.params, &part.lobes));
         let groups = groups.collect::<Result<Vec<_>, _>>()?;
         self.parts.iter_mut().zip(groups).for_each(|(part, group)| part.bind_group = group);

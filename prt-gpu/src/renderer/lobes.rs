@@ -63,7 +63,9 @@ impl LobeRenderer {
     pub fn set_light(&mut self, light: &[f32], order: Order) -> Result<(), Error> {
         check_light(light, order, self.order)?;
         self.is_stale = true;
-        self.shading.light.set_light(&self.stage.gpu, light, order)
+        let constants = self.shading.light.constants();
+        self.shading.light.set_light(&self.stage.gpu, light, order)?;
+        if constants == self.shading.light.constants() { Ok(()) } else { self.shading.rebind(&self.stage.gpu) }
     }
 
     /// Chooses between the light's table, of any size, and the direct formula. A new renderer has a table of 64 by 32.
@@ -208,8 +210,8 @@ impl LobeRenderer {
         self.shade(None)?;
         let Some(layout) = self.shading.light.table_layout() else { return Ok(None) };
         let count = layout.texel_count() * layout.band_count;
-        let texels = read_buffer::<[f32; 4]>(&self.stage.gpu, self.shading.light.table(), count)?;
-        Ok(Some(LobeTable { layout, texels }))
+        let bands = read_buffer::<[f32; 4]>(&self.stage.gpu, self.shading.light.table(), count)?;
+        Ok(Some(LobeTable::from_bands(layout, &bands)))
     }
 
     fn record_shading(&mut self, encoder: &mut wgpu::CommandEncoder, eye: Option<[f32; 3]>) -> Result<(), Error> {
@@ -224,7 +226,7 @@ impl LobeRenderer {
         self.shows_colors = false;
         self.shading.upload_params(gpu)?;
         self.shading.light.record(gpu, encoder)?;
-        gpu.lobe_passes()?.shade_lobes.record(encoder, &self.shading);
+        self.shading.record(encoder);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 use super::lobes::no_skin;
 use super::stage::{Stage, submit};
 use crate::cpu::check_frames;
-use crate::pass::{Skinning, TextureShading};
+use crate::pass::{Resolve, Skinning, TextureShading};
 use crate::surface::check_light;
 use crate::{Error, Evaluation, Frame, Gpu, PoseFrames, Skin, Target, TexturedSurface, View};
 use sh_core::Order;
@@ -15,6 +15,8 @@ pub struct TexturedRenderer {
     stage: Stage,
     order: Order,
     shading: TextureShading,
+    /// The pass that the stage is bound for.
+    resolve: Resolve,
     skinning: Option<Skinning>,
 }
 
@@ -27,10 +29,10 @@ impl TexturedRenderer {
     /// # Errors
     /// As [`crate::LobeRenderer::new`]; [`Error::Limit`] for a texture too large for one buffer.
     pub fn new(gpu: &Gpu, surface: &TexturedSurface<'_>) -> Result<Self, Error> {
-        let resolve = &gpu.lobe_passes()?.resolve_texture;
         let shading = TextureShading::new(gpu, surface)?;
-        let stage = Stage::new(gpu, surface.positions, surface.triangles, resolve, shading.buffers())?;
-        Ok(Self { stage, order: surface.texture.lobes.shape.order, shading, skinning: None })
+        let resolve = shading.pass(gpu)?;
+        let stage = Stage::new(gpu, surface.positions, surface.triangles, &resolve, shading.buffers())?;
+        Ok(Self { stage, order: surface.texture.lobes.shape.order, shading, resolve, skinning: None })
     }
 
     /// Lights the surface; as [`crate::LobeRenderer::set_light`].
@@ -39,7 +41,9 @@ impl TexturedRenderer {
     /// [`Error::OrderAboveStored`], [`Error::Length`], [`Error::NotFinite`]; the light is then as it was.
     pub fn set_light(&mut self, light: &[f32], order: Order) -> Result<(), Error> {
         check_light(light, order, self.order)?;
-        self.shading.light.set_light(&self.stage.gpu, light, order)
+        let constants = self.shading.light.constants();
+        self.shading.light.set_light(&self.stage.gpu, light, order)?;
+        if constants == self.shading.light.constants() { Ok(()) } else { self.rebind() }
     }
 
     /// As [`crate::LobeRenderer::set_evaluation`].
@@ -47,9 +51,14 @@ impl TexturedRenderer {
     /// # Errors
     /// [`Error::Lobes`], [`Error::Device`].
     pub fn set_evaluation(&mut self, evaluation: Evaluation) -> Result<(), Error> {
-        let gpu = self.stage.gpu.clone();
-        self.shading.light.set_evaluation(&gpu, evaluation)?;
-        self.stage.set_inputs(&gpu.lobe_passes()?.resolve_texture, self.shading.buffers())
+        self.shading.light.set_evaluation(&self.stage.gpu, evaluation)?;
+        self.rebind()
+    }
+
+    /// Compiles and binds anew, after a change of the light's order or evaluation.
+    fn rebind(&mut self) -> Result<(), Error> {
+        self.resolve = self.shading.pass(&self.stage.gpu)?;
+        self.stage.set_inputs(&self.resolve, self.shading.buffers())
     }
 
     /// Poses the surface.
@@ -124,7 +133,7 @@ impl TexturedRenderer {
         target: &Target,
     ) -> Result<(), Error> {
         let gpu = self.stage.gpu.clone();
-        let resolve = &gpu.lobe_passes()?.resolve_texture;
+        let resolve = &self.resolve;
         self.stage.project(view, target, resolve)?;
         if let Some(skinning) = &mut self.skinning {
             skinning.record(&gpu, encoder)?;

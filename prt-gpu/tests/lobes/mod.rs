@@ -178,7 +178,7 @@ fn tables_are_built_the_same() {
                 let bands = made.band_count();
                 for i in 0..500 {
                     let direction = unit([(i as f32).sin(), (0.7 * i as f32).cos(), (1.3 * i as f32).sin()]);
-                    let [mut m, mut e] = [0, 1].map(|_| vec![[0.0; 4]; bands]);
+                    let [mut m, mut e] = [0, 1].map(|_| vec![[0.0; 3]; bands]);
                     made.sample(direction, &mut m);
                     expected.sample(direction, &mut e);
                     let near = m.as_flattened().iter().zip(e.as_flattened()).all(|(m, e)| (m - e).abs() < 1e-5);
