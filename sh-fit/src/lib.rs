@@ -1,8 +1,46 @@
 //! Zonal-lobe fits of transfer vectors, after [SLS05](sh_core#references).
 //!
 //! A sum of zonal lobes about a few axes approximates a transfer vector and can be rotated with a deforming surface by rotating
-//! its axes. [`fit_lobes`] finds the lobes of one vector, [`fit_lobes_many`] those of a mesh or texture;
-//! [`optimal_linear_lobe`] needs no search and finds a single lobe.
+//! its axes. [`fit_lobes`] finds the lobes of one vector, [`fit_lobes_many`] those of a mesh or texture, and
+//! [`optimal_linear_lobe`] a single lobe without a search.
+//!
+//! ```
+//! use sh_core::Order;
+//! use sh_fit::{FitOptions, Neighbours, fit_lobes_many};
+//!
+//! // Two points with the transfer of an open sky, above which the horizon tilts.
+//! let order = Order::new(6)?;
+//! let mut cosine = [0.0_f32; 6];
+//! sh_core::clamped_cosine(&mut cosine);
+//! let mut transfer = vec![0.0; 2 * 36];
+//! sh_core::expand_zonal(order, &cosine, [0.0, 0.6, 0.8], &mut transfer[..36]);
+//! sh_core::expand_zonal(order, &cosine, [0.0, 0.8, 0.6], &mut transfer[36..]);
+//!
+//! let neighbours = Neighbours::grid(2, 1, false);
+//! let options = FitOptions { lobe_count: 1, ..FitOptions::default() };
+//! let (mut lobes, report) = fit_lobes_many(order, 1, &transfer, Some(&neighbours), &options, &|_| ())?;
+//! assert!(report.relative_error < 1e-4);
+//! // The surface turns by 90° about x: one axis per lobe turns with it.
+//! lobes.rotate(0, [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]);
+//! assert!((lobes.axes_of(0)[0][1] + 0.8).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # How lobes are found
+//!
+//! With the axes fixed, bands decouple and the coefficients follow by linear least squares, so only the axes are searched for
+//! ([`Method::VariableProjection`]): by Newton's method, since the second derivatives of what is left are closed-form too. The
+//! first start adds one lobe after the other where it takes most of what is left; further ones begin with another axis. On a
+//! surface the axes of the neighbours are tried afterwards. A small penalty keeps lobes from cancelling with huge coefficients.
+//!
+//! Lobes of one point are ordered by their energy, and their axes lie on the side of the linear band. Those of two points do not
+//! correspond: interpolate what they make of the light and not the lobes.
+//!
+//! # Features
+//!
+//! | feature | default | gives |
+//! |---|---|---|
+//! | `parallel` | yes | several threads; without it the same bytes from one |
 
 mod blend;
 mod brdf;

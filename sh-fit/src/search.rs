@@ -20,7 +20,8 @@ const SETTLING: usize = 6;
 const REACH: f64 = 4.0;
 /// Relative squared error that is rounding once numbers are stored in `f32`.
 const ROUNDING: f64 = 1e-14;
-/// A part of the penalty `μ` that exact lobes may leave: an error of `4 μ`, which the last refinement removes.
+/// Relative squared error in units of `μ²` that exact lobes leave under the penalty `μ`: an error of `4 μ`, most of which the
+/// last refinement removes.
 const LEFT_BY_PENALTY: f64 = 16.0;
 
 /// Axes of one vector.

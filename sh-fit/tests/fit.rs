@@ -191,6 +191,9 @@ fn huge_and_tiny_vectors_are_fitted_alike() {
         assert!((report.relative_error - plain.relative_error).abs() < 1e-5, "{scale:e}: {}", report.relative_error);
         assert!(report.largest_coefficient < 100.0);
     }
+    let largest: Vec<f32> = narrow(&f).iter().map(|f| f * f32::MAX).collect();
+    let (set, _) = many(6, &largest, &FitOptions::default());
+    assert!(set.coeffs.iter().chain(set.axes.as_flattened()).all(|x| x.is_finite()));
 }
 
 #[test]

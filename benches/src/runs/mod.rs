@@ -5,6 +5,9 @@ mod error_against_rays;
 mod exponential;
 mod ldprt_scattering;
 mod ldprt_table;
+mod ldprt_fig2;
+mod ldprt_fig3;
+mod ldprt_trade;
 mod numbers;
 mod peers;
 mod rotation_trade;
@@ -66,6 +69,17 @@ pub const RUNS: &[Run] = &[
         name: "kkp/trade",
         what: "rotation, exact and by Taylor polynomials: error against time, with a plot",
         run: rotation_trade::run,
+    },
+    Run {
+        name: "ldprt/fig2",
+        what: "zonal-lobe fits of random vectors, and error against starts [VECTORS]",
+        run: ldprt_fig2::run,
+    },
+    Run { name: "ldprt/fig3", what: "zonal-lobe fits of the transfer of four meshes [MESH]", run: ldprt_fig3::run },
+    Run {
+        name: "ldprt/fit-trade",
+        what: "zonal-lobe fits of a mesh: error against time for lobes, starts and methods, with a plot [MESH]",
+        run: ldprt_trade::run,
     },
 ];
 

@@ -20,7 +20,8 @@ const SWEEPS: usize = 2;
 /// - `progress`: called, from any thread, with the number of points that were finished since its last call; one pass over the
 ///   points for each number of lobes that is tried
 ///
-/// Points with a coefficient that is not finite are left zero and named in the report.
+/// Points with a coefficient that is not finite are left zero and named in the report. Lobe coefficients beyond the range of
+/// `f32`, which transfer of 1e37 and more can have, become its largest number.
 ///
 /// # Errors
 /// [`Error::Option`] for settings that cannot be used, [`Error::Neighbours`] if `neighbours` has another number of points.
@@ -208,7 +209,7 @@ impl Many<'_> {
             let to = &mut set.axes[number * shape.lobe_count..];
             to.iter_mut().zip(&axes).for_each(|(to, from)| *to = from.map(|x| x as f32));
             let to = &mut set.coeffs[number * size * n..];
-            to.iter_mut().zip(&coeffs).for_each(|(to, from)| *to = *from as f32);
+            to.iter_mut().zip(&coeffs).for_each(|(to, from)| *to = (*from as f32).clamp(f32::MIN, f32::MAX));
         }
         set
     }

@@ -145,13 +145,13 @@ mod tests {
         x[5] += 0.1;
         let mut gradient = vec![0.0; x.len()];
         full.gradient(&x, &mut gradient);
-        for p in 0..x.len() {
+        for (p, given) in gradient.iter().enumerate() {
             let h = 1e-5;
             let at =
                 |by: f64| full.value(&(0..x.len()).map(|q| x[q] + if p == q { by } else { 0.0 }).collect::<Vec<_>>());
             let slope = (at(h) - at(-h)) / (2.0 * h);
             // 1e-10 times a third derivative, and 1e-16/1e-5 from rounding.
-            assert!((gradient[p] - slope).abs() < 1e-8, "{p}: {} {slope}", gradient[p]);
+            assert!((given - slope).abs() < 1e-8, "{p}: {given} {slope}");
         }
     }
 }

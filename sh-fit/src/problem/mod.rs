@@ -1,5 +1,6 @@
 //! The error of a sum of lobes, and its derivatives. Nothing about solvers.
 
+mod derivatives;
 mod full;
 mod generators;
 mod legendre;

@@ -24,22 +24,22 @@ use crate::solver::Landscape;
 use crate::solver::cholesky::{decompose, solve_lower, solve_upper};
 
 /// Value, first derivatives along two tangents, second derivatives 11, 12, 22.
-type Local = [f64; 6];
+pub(super) type Local = [f64; 6];
 
 /// The axes at one place, and what was computed there.
 #[derive(Debug, Clone, Default)]
-struct State {
-    axes: Vec<[f64; 3]>,
+pub(super) struct State {
+    pub(super) axes: Vec<[f64; 3]>,
     /// Two tangents per axis.
-    frames: Vec<[[f64; 3]; 2]>,
+    pub(super) frames: Vec<[[f64; 3]; 2]>,
     /// `[N, C, n]`: the signal at each axis.
-    local: Vec<Local>,
+    pub(super) local: Vec<Local>,
     /// `[N, N, n]`, for `j > k`: Legendre polynomials of `s_j·s_k`.
-    pairs: Vec<[f64; 3]>,
+    pub(super) pairs: Vec<[f64; 3]>,
     /// `[n, N, N]`: lower triangles of the Cholesky factors of the Gram matrices over `(2l+1)/(4π)`.
-    factors: Vec<f64>,
+    pub(super) factors: Vec<f64>,
     /// `[n, C, N]`: lobe coefficients.
-    lobes: Vec<f64>,
+    pub(super) lobes: Vec<f64>,
     /// `ψ`.
     value: f64,
 }
@@ -57,13 +57,13 @@ pub(crate) struct Projected {
 }
 
 #[derive(Debug, Default)]
-struct Scratch {
+pub(super) struct Scratch {
     basis: Vec<f64>,
     sums: Vec<[f64; JET]>,
     /// `[N, 2, N]`: `∂_a y_j·y_k`.
-    first: Vec<f64>,
+    pub(super) first: Vec<f64>,
     /// `[2N, N]`: `M`, and then `M L⁻ᵀ`.
-    mixed: Vec<f64>,
+    pub(super) mixed: Vec<f64>,
 }
 
 impl Projected {
@@ -284,92 +284,6 @@ impl Landscape for Projected {
 
     fn accept(&mut self) {
         std::mem::swap(&mut self.here, &mut self.there);
-    }
-}
-
-impl State {
-    /// Adds the gradient and the lower triangle of the Hessian of half the error.
-    #[inline(always)]
-    fn differentiate<const FIXED: usize>(
-        &self,
-        signal: &Signal,
-        scratch: &mut Scratch,
-        gradient: &mut [f64],
-        hessian: &mut [f64],
-        lobes: usize,
-    ) {
-        let n = if FIXED > 0 { FIXED } else { lobes };
-        let (bands, channels, size) = (signal.order.get(), signal.channels, 2 * n);
-        let (gradient, hessian) = (&mut gradient[..size], &mut hessian[..size * size]);
-        let (first, mixed) = (&mut scratch.first[..size * n], &mut scratch.mixed[..size * n]);
-        for l in signal.first_band..bands {
-            let norm = lobe_norm(l);
-            let slope_at_one = norm * (l * (l + 1)) as f64 * 0.5;
-            let factor = &self.factors[l * n * n..][..n * n];
-            let pair = |j: usize, k: usize| {
-                let (j, k) = if j > k { (j, k) } else { (k, j) };
-                self.pairs[(j * n + k) * bands + l]
-            };
-            for j in 0..n {
-                for a in 0..2 {
-                    for k in 0..n {
-                        first[(2 * j + a) * n + k] =
-                            if j == k { 0.0 } else { norm * pair(j, k)[1] * dot3(self.frames[j][a], self.axes[k]) };
-                    }
-                }
-            }
-            for c in 0..channels {
-                let g = &self.lobes[(l * channels + c) * n..][..n];
-                for j in 0..n {
-                    let local = &self.local[(j * channels + c) * bands + l];
-                    // ∂_a y_j·r and ∂_a∂_b y_j·r
-                    let mut slope = [local[1], local[2]];
-                    let mut curve = [local[3] + g[j] * slope_at_one, local[4], local[5] + g[j] * slope_at_one];
-                    for k in (0..n).filter(|&k| k != j) {
-                        let [_, p1, p2] = pair(j, k);
-                        let t = dot3(self.axes[j], self.axes[k]);
-                        let [d1, d2] = self.frames[j].map(|e| dot3(e, self.axes[k]));
-                        let g = g[k] * norm;
-                        slope[0] -= g * p1 * d1;
-                        slope[1] -= g * p1 * d2;
-                        curve[0] -= g * (p2 * d1 * d1 - t * p1);
-                        curve[1] -= g * p2 * d1 * d2;
-                        curve[2] -= g * (p2 * d2 * d2 - t * p1);
-                    }
-                    let row = 2 * j;
-                    for a in 0..2 {
-                        gradient[row + a] -= g[j] * slope[a];
-                        for k in 0..n {
-                            mixed[(row + a) * n + k] = g[j] * first[(row + a) * n + k];
-                        }
-                        mixed[(row + a) * n + j] -= slope[a];
-                    }
-                    let own = g[j] * g[j] * slope_at_one;
-                    hessian[row * size + row] += own - g[j] * curve[0];
-                    hessian[(row + 1) * size + row] -= g[j] * curve[1];
-                    hessian[(row + 1) * size + row + 1] += own - g[j] * curve[2];
-                    for k in 0..j {
-                        let [_, p1, p2] = pair(j, k);
-                        let weight = g[j] * g[k] * norm;
-                        for a in 0..2 {
-                            let (ej, d) = (self.frames[j][a], dot3(self.frames[j][a], self.axes[k]));
-                            for b in 0..2 {
-                                let ek = self.frames[k][b];
-                                hessian[(row + a) * size + 2 * k + b] +=
-                                    weight * (p2 * d * dot3(ek, self.axes[j]) + p1 * dot3(ej, ek));
-                            }
-                        }
-                    }
-                }
-                for p in 0..size {
-                    solve_lower(factor, n, &mut mixed[p * n..][..n]);
-                    for q in 0..=p {
-                        let dot: f64 = (0..n).map(|k| mixed[p * n + k] * mixed[q * n + k]).sum();
-                        hessian[p * size + q] -= dot / norm;
-                    }
-                }
-            }
-        }
     }
 }
 
