@@ -4,6 +4,15 @@ use crate::Error;
 
 /// A homogeneous medium below the surface.
 ///
+/// Light in it takes random walks: it enters by Snell's law with the chance that Fresnel's formula for unpolarised light leaves, flies as far
+/// as `exp(−σ_t s)` lets it, loses the share `σ_a/σ_t` at each collision and turns by Henyey and Greenstein's phase function. The
+/// surface, and the plane below if there is one, reflect from inside too, totally beyond the critical angle. Light that comes out and meets
+/// the relief again goes on there. What the surface mirrors before light enters is part of the result; an index of 1 mirrors nothing.
+///
+/// Far from all boundaries (8 transport mean free paths) in a medium that absorbs less than 2 % per transport mean free path, walks take
+/// spheres at once by the law of diffusion; all else is unbiased but for paths that are given up after
+/// [`ScatteringReport::MAX_EVENTS`](crate::ScatteringReport::MAX_EVENTS) flights, whose weight is reported.
+///
 /// Coefficients are per tile width and per channel (red, green, blue): `σ_s = 20` means that light is scattered about 20 times on a
 /// straight way through a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -78,10 +78,29 @@ impl PatchReport {
 /// Points of an opaque patch are the texel centres, on the surface, with the smooth normals of [`HeightField::normal`]. Their rays
 /// follow the surface without end in both directions, in `f64`; what is shadowed is the surface's own triangles, so light from
 /// below the plane reaches nothing. Shadowed transfer is the analytic unshadowed one less the occluded directions, so a level field is exact.
+/// The error of the paper's bumps at 1,024 rays and order 6 is 6e-3 of the unshadowed vectors, as the report estimates it.
 ///
-/// A translucent patch is baked by random walks; see [`Medium`].
+/// A translucent patch is baked by the random walks that [`Medium`] describes. The vector of a texel is the mean of `w y(d)` over paths
+/// that start evenly over the texel's square in u and v, on the true surface, in directions with density `cos θ/π` about the normal there, and
+/// that leave in the direction `d` with the weight `w`. A path carries radiance over squared index of refraction, so that entry and
+/// exit need no factor, and light of radiance 1 from all sides gives `Σ w` = 1 where nothing absorbs. The vector thus is the mean exit radiance of
+/// the texel: albedo is included, and it is shaded with albedo 1. Light from below counts only where the medium has an end below.
+/// Reflectance and transmittance of plane slabs agree with the adding-doubling method to 1e-3, which is the noise of the 10⁶ paths
+/// (`repro -- ldprt/scattering` of `prt-benches`). Vectors are noisier than an opaque patch's: 0.4 of the unshadowed ones at 64
+/// paths and order 6, falling with the root of the paths; most of it is in the upper bands.
 ///
 /// Same options, same bytes, for any number of threads.
+///
+/// ```
+/// use prt_bake::{HeightField, PatchOptions, bake_patch};
+///
+/// let field = HeightField::waffle(32, 0.3)?;
+/// let (transfer, _) = bake_patch(&field, &PatchOptions::preview(), &())?;
+/// // Under a white sky: the top of the wall between two pits sees nearly all of it, the bottom of a pit less than half.
+/// let radiance = |texel: usize| transfer.vector(texel, 0, 0)[0] * (4.0 * std::f32::consts::PI).sqrt();
+/// assert!(radiance(0) > 0.95 && radiance(4 * 32 + 4) < 0.5);
+/// # Ok::<(), prt_bake::Error>(())
+/// ```
 ///
 /// # Errors
 /// If an option is out of range, or the caller cancels.

@@ -250,3 +250,30 @@ pub(super) fn about(axis: DVec3, cos: f64, turn: f64) -> DVec3 {
     let (sin_phi, cos_phi) = (TAU * turn).sin_cos();
     (sin * (cos_phi * x + sin_phi * y) + cos * axis).normalize()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::field::HeightField;
+    use super::*;
+
+    #[test]
+    fn a_jump_keeps_the_mean_place_and_stays_inside() {
+        // A path that scatters for ever stays, in the mean, one transport mean free path ahead of where it set out.
+        let field = HeightField::new(1, 1, vec![0.0]).expect("valid");
+        let surface = Surface::new(&field);
+        let medium = Medium { g: 0.8, ..Medium::grey(50.0, 0.0) };
+        let walk = Walk::new(&surface, &medium, 0, None, 1);
+        let step = 1.0 / (50.0 * 0.2);
+        let mut random = Random::new(3);
+        let (mut sum, count) = (DVec3::ZERO, 40_000);
+        let start = -9.0 * step * DVec3::Z;
+        for _ in 0..count {
+            let mut state = State { position: start, direction: DVec3::X, side: Side::Below, weight: 1.0 };
+            walk.jump(&mut state, &mut random);
+            assert!(state.position != start && state.position.z < -3.99 * step && state.weight == 1.0);
+            sum += (state.position - start) / step;
+        }
+        // The sphere has a radius of 5 steps: one standard deviation is 5/√(3 · 40,000) = 0.014.
+        assert!((sum / f64::from(count) - DVec3::X).length() < 0.08, "{}", sum / f64::from(count));
+    }
+}

@@ -114,3 +114,18 @@ fn no_ray_leaks_through_the_surface() {
         assert!(reach.point.is_some() && reach.distance < distance + 1e-9, "{origin} {direction}: {reach:?}");
     }
 }
+
+#[test]
+fn no_light_comes_from_below_the_plane() {
+    let mut random = Random::new(4);
+    for field in [rough(6, 5, 0.4, 7), rough(1, 4, 2.0, 8), flat(2, 2)] {
+        let surface = Surface::new(&field);
+        for number in 0..3000 {
+            let texel = number % field.texel_count();
+            let direction = DVec3::from_array(std::array::from_fn(|_| random.unit() - 0.5)).normalize();
+            let down = direction.with_z(-direction.z.abs());
+            let origin = surface.texel(texel, field.heights()[texel]);
+            assert!(surface.follow(origin, down, f64::INFINITY, Side::Above).point.is_some(), "{texel} {down}");
+        }
+    }
+}
