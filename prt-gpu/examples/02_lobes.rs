@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let albedo = vec![[0.8, 0.6, 0.4]; normals.len()];
 
     // One joint squeezes everything; the camera is parallel.
-    let squeeze: Matrix = [[0.8, 0.0, 0.0, 0.0], [0.0, 0.3, 0.0, 0.0], [0.0, 0.0, -0.4, 0.0], [0.0, 0.0, 0.5, 1.0]];
+    let squeeze: Matrix = [[0.8, 0.0, 0.0, 0.0], [0.0, 0.3, 0.0, 0.0], [0.0, 0.0, 0.4, 0.0], [0.0, 0.0, 0.0, 1.0]];
     let (joints, weights) = (vec![[0; 4]; normals.len()], vec![[1.0, 0.0, 0.0, 0.0]; normals.len()]);
     let rest: Vec<_> = normals.iter().map(|n| tangent_frame(*n)).collect();
     let skin = Skin::new(&normals, &rest, &joints, &weights)?;
@@ -44,9 +44,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let (mut positions, mut turned) = (normals.clone(), rest.clone());
     cpu::skin(&skin, &[squeeze], PoseFrames::FromRest, &mut positions, &mut turned);
-    for v in [0, 64 * 5 + 16, 64 * 10 + 48, 64 * 25 + 16] {
-        println!("{:?} {:?} {:?}", normals[v], positions[v], turned[v]);
-    }
     let surface = LobeSurface::new(&positions, &triangles, &albedo, lobes)?;
     let exact = cpu::render_lobes(&surface, &turned, &light, order, None, Evaluation::Direct, &view)?;
     for row in exact.pixels.chunks_exact(33).step_by(4) {
