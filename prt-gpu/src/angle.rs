@@ -14,7 +14,7 @@ pub(crate) fn atan_unit(x: f32) -> f32 {
     let p = p * t + 0.042_909_614;
     let p = p * t - 0.075_289_64;
     let p = p * t + 0.106_562_64;
-    let p = p * t - 0.142_088_99;
+    let p = p * t - 0.142_089;
     let p = p * t + 0.199_935_51;
     let p = p * t - 0.333_331_45;
     let p = p * t + 1.0;

@@ -1,6 +1,7 @@
 use crate::Error;
 use crate::angle::turn;
 use std::f64::consts::{PI, TAU};
+use wide::f32x4;
 
 /// How the bands of a light are evaluated along a lobe's axis: speed against accuracy.
 ///
@@ -35,7 +36,7 @@ impl Evaluation {
     pub fn check(&self) -> Result<(), Error> {
         let Self::Table { width, height } = *self else { return Ok(()) };
         let is_valid =
-            (4..=Self::MAX_SIDE).contains(&width) && width % 2 == 0 && (2..=Self::MAX_SIDE).contains(&height);
+            (4..=Self::MAX_SIDE).contains(&width) && width.is_multiple_of(2) && (2..=Self::MAX_SIDE).contains(&height);
         match is_valid {
             true => Ok(()),
             false => Err(Error::Lobes(format!(
@@ -58,16 +59,16 @@ pub struct LobeTable {
 }
 
 /// Four bands of three channels; zeros beyond the last band.
-pub(crate) type Block = [[f32; 4]; 3];
+pub(crate) type Block = [f32x4; 3];
 
 impl LobeTable {
     /// From the order of the GPU, `[texels, bands]` with radiance in the first three components.
     pub(crate) fn from_bands(layout: TableLayout, bands: &[[f32; 4]]) -> Self {
         let blocks = layout.block_count();
-        let mut texels = vec![[[0.0; 4]; 3]; layout.texel_count() * blocks];
+        let mut texels = vec![[f32x4::ZERO; 3]; layout.texel_count() * blocks];
         for (i, band) in bands.iter().enumerate() {
             let (texel, l) = (i / layout.band_count, i % layout.band_count);
-            (0..3).for_each(|c| texels[texel * blocks + l / 4][c][l % 4] = band[c]);
+            (0..3).for_each(|c| texels[texel * blocks + l / 4][c].as_mut_array()[l % 4] = band[c]);
         }
         Self { layout, texels }
     }
@@ -98,7 +99,7 @@ impl LobeTable {
         assert_eq!(out.len(), self.layout.band_count, "bands of the table");
         let place = self.layout.place(axis);
         for (block, out) in out.chunks_mut(4).enumerate() {
-            let bands = self.block(&place, block, self.layout.block_count());
+            let bands = self.block(&place, block, self.layout.block_count()).map(f32x4::to_array);
             out.iter_mut().enumerate().for_each(|(l, out)| *out = bands.map(|channel| channel[l]));
         }
     }
@@ -109,8 +110,8 @@ impl LobeTable {
         let top = place.texel as usize * block_count + block;
         let bottom = top + self.layout.columns() * block_count;
         let [a, b, c, d] = [top, top + block_count, bottom, bottom + block_count].map(|i| &self.texels[i]);
-        let [p, q, r, s] = place.weights;
-        std::array::from_fn(|k| std::array::from_fn(|i| (p * a[k][i] + q * b[k][i]) + (r * c[k][i] + s * d[k][i])))
+        let [p, q, r, s] = place.weights.map(f32x4::splat);
+        std::array::from_fn(|k| (p * a[k] + q * b[k]) + (r * c[k] + s * d[k]))
     }
 }
 

@@ -102,7 +102,7 @@ fn the_recurrence_is_the_basis() {
         sh_core::eval(order, [x, y, z], &mut exact);
         let (mut c, mut s) = (1.0, 0.0);
         for m in 0..MAX_ORDER {
-            let mut p = vec![0.0; MAX_ORDER + 1];
+            let mut p = [0.0; MAX_ORDER + 1];
             p[m] = diagonal(m);
             for l in m..MAX_ORDER {
                 if l > m {

@@ -1,6 +1,7 @@
 use crate::LobeTable;
 use crate::table::{Block, TableLayout};
 use sh_core::{Basis, Order};
+use wide::f32x4;
 
 /// Directions whose basis functions are evaluated at once.
 const CHUNK: usize = 256;
@@ -19,10 +20,10 @@ const CHUNK: usize = 256;
 /// Source: \[SLS05\] eq. 24; the twin of `shaders/build_table.wgsl`.
 pub fn build_table(light: &[f32], order: Order, first_band: usize, width: usize, height: usize) -> LobeTable {
     assert_eq!(light.len(), 3 * order.coeff_count(), "length of the light");
-    assert!(width > 0 && width % 2 == 0 && height > 0, "a table of {width} x {height}");
+    assert!(width > 0 && width.is_multiple_of(2) && height > 0, "a table of {width} x {height}");
     let layout = TableLayout { width, height, band_count: order.get().saturating_sub(first_band) };
     let blocks = layout.block_count();
-    let mut texels = vec![[[0.0; 4]; 3]; layout.texel_count() * blocks];
+    let mut texels = vec![[f32x4::ZERO; 3]; layout.texel_count() * blocks];
     if layout.band_count > 0 {
         let directions = layout.directions();
         let (bands, mut basis) = (LightBands::new(light, order, first_band), Vec::new());
@@ -39,12 +40,16 @@ pub(super) struct LightBands {
     basis: Basis<f32>,
     first_band: usize,
     /// `[k²]`, the three channels beside each other.
-    coeffs: Vec<[f32; 4]>,
+    coeffs: Vec<f32x4>,
 }
 
 impl LightBands {
     pub(super) fn new(light: &[f32], order: Order, first_band: usize) -> Self {
-        Self { basis: Basis::new(order), first_band, coeffs: interleave(light, order) }
+        Self {
+            basis: Basis::new(order),
+            first_band,
+            coeffs: interleave(light, order).into_iter().map(f32x4::from).collect(),
+        }
     }
 
     /// `out[d]` is `ê(directions[d])`, `⌈bands/4⌉` blocks as a texel of a table. `y` is room for the basis functions.
@@ -55,28 +60,25 @@ impl LightBands {
         let blocks = (order.get() - self.first_band).div_ceil(4);
         for (y, out) in y.chunks_exact(count).zip(out.chunks_exact_mut(blocks)) {
             for (block, out) in out.iter_mut().enumerate() {
-                let bands: [[f32; 4]; 4] = std::array::from_fn(|i| self.band(y, self.first_band + 4 * block + i));
-                *out = std::array::from_fn(|c| bands.map(|band| band[c]));
+                let bands = std::array::from_fn(|i| self.band(y, self.first_band + 4 * block + i));
+                let [red, green, blue, _] = f32x4::transpose(bands);
+                *out = [red, green, blue];
             }
         }
     }
 
     /// `ê_l`, or zeros beyond the last band.
     #[inline(always)]
-    fn band(&self, y: &[f32], l: usize) -> [f32; 4] {
+    fn band(&self, y: &[f32], l: usize) -> f32x4 {
         match l < self.basis.order().get() {
             true => weighted_sum(&y[l * l..(l + 1) * (l + 1)], &self.coeffs[l * l..(l + 1) * (l + 1)]),
-            false => [0.0; 4],
+            false => f32x4::ZERO,
         }
     }
 }
 
-fn weighted_sum(weights: &[f32], values: &[[f32; 4]]) -> [f32; 4] {
-    let mut sum = [0.0; 4];
-    for (w, value) in weights.iter().zip(values) {
-        sum = std::array::from_fn(|c| sum[c] + w * value[c]);
-    }
-    sum
+fn weighted_sum(weights: &[f32], values: &[f32x4]) -> f32x4 {
+    weights.iter().zip(values).fold(f32x4::ZERO, |sum, (w, value)| sum + f32x4::splat(*w) * *value)
 }
 
 /// A light `[3, k²]` as `[k²]` of red, green, blue and 0.

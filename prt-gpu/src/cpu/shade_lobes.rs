@@ -5,6 +5,7 @@ use crate::table::{Block, Place};
 use crate::{Evaluation, LobeSurface, LobeTable, Lobes, ViewMap};
 use rayon::prelude::*;
 use sh_core::{Order, index};
+use wide::f32x4;
 
 /// Vertices of one task: its axes and bands stay in the cache.
 const CHUNK: usize = 64;
@@ -179,7 +180,7 @@ impl LobeLight {
         match &self.source {
             Source::Table(table) => table.layout.places(axes, &mut out.places),
             Source::Direct(bands) => {
-                out.blocks.resize(axes.len() * self.block_count(), [[0.0; 4]; 3]);
+                out.blocks.resize(axes.len() * self.block_count(), [f32x4::ZERO; 3]);
                 bands.evaluate(axes, &mut out.basis, &mut out.blocks);
             }
         }
@@ -233,7 +234,7 @@ impl LobeLight {
     /// The lobes of a row, `[C, N, n]`, under the light.
     fn lobes(&self, shape: &LobeShape, coeffs: &[f32], bands: &Bands, first_axis: usize) -> [f32; 3] {
         let (axes, blocks) = (first_axis..first_axis + shape.lobe_count, self.block_count());
-        let mut sum = [[0.0; 4]; 3];
+        let mut sum = [f32x4::ZERO; 3];
         for block in 0..blocks {
             match &self.source {
                 Source::Table(table) => {
@@ -246,7 +247,7 @@ impl LobeLight {
                 }
             }
         }
-        sum.map(|[a, b, c, d]| (a + b) + (c + d))
+        sum.map(|sum| sum.reduce_add())
     }
 
     /// Adds four bands of all lobes of a row.
@@ -268,7 +269,7 @@ impl LobeLight {
                 3 => [0, 1, 2].map(|c| four(&coeffs[c * channel + j * n..][used.clone()])),
                 _ => [grey; 3],
             };
-            *sum = std::array::from_fn(|c| std::array::from_fn(|i| sum[c][i] + g[c][i] * e[c][i]));
+            *sum = std::array::from_fn(|c| sum[c] + g[c] * e[c]);
         }
     }
 }
@@ -285,9 +286,9 @@ pub(super) struct Bands {
 
 /// The first four coefficients, zeros beyond the last.
 #[inline(always)]
-fn four(lobe: &[f32]) -> [f32; 4] {
-    match lobe.first_chunk::<4>() {
+fn four(lobe: &[f32]) -> f32x4 {
+    f32x4::from(match lobe.first_chunk::<4>() {
         Some(four) => *four,
         None => std::array::from_fn(|i| lobe.get(i).copied().unwrap_or(0.0)),
-    }
+    })
 }

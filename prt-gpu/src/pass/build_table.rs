@@ -4,7 +4,6 @@ use crate::layout::{MAX_LOBE_LIGHT, TableParams};
 use crate::shaders::BUILD_TABLE;
 use crate::table::TableLayout;
 use crate::{Error, Gpu};
-use bytemuck::Zeroable;
 use wgpu::BufferUsages as Usage;
 
 /// Invocations per workgroup, as in the shader.
@@ -64,7 +63,6 @@ impl TableBuffers {
             band_count: bands[1],
             first_band: bands[0],
             light: *light,
-            ..TableParams::zeroed()
         };
         self.params.write(gpu, &[params]).map(drop)
     }
