@@ -16,8 +16,8 @@ pub(super) fn run(asked: Option<&str>) -> Result<()> {
     let mesh = mesh(asked, "meshes/max_planck_5k.obj")?;
     let options = BakeOptions { order: Order::new(6)?, rays_per_vertex: 4096, ..BakeOptions::default() };
     let baked = bake_diffuse(&mesh, &options, &())?.0;
-    let (targets, triangles) = (&baked.transfer.values, &baked.triangles);
-    let neighbours = Neighbours::from_triangles(baked.positions.len(), triangles)?;
+    let (targets, triangles) = (&baked.transfer.values, &baked.geometry.triangles);
+    let neighbours = Neighbours::from_triangles(baked.geometry.positions.len(), triangles)?;
     let mut rows = Vec::new();
     for lobe_count in [1, 2, 3, 4] {
         let mut add = |name: &str, set: &LobeSet, start: Instant| -> Result<()> {

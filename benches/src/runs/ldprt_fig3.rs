@@ -65,7 +65,7 @@ impl Transfer {
 pub(super) fn transfer(asked: Option<&str>, data_file: &str) -> Result<Transfer> {
     let baked = bake_diffuse(&mesh(asked, data_file)?, &BakeOptions::default(), &())?.0;
     let order = baked.transfer.order;
-    Ok(Transfer { order, values: baked.transfer.values, triangles: baked.triangles })
+    Ok(Transfer { order, values: baked.transfer.values, triangles: baked.geometry.triangles })
 }
 
 fn errors(name: &str, transfer: &Transfer) -> Result<Vec<String>> {

@@ -3,12 +3,12 @@
 mod error_against_order;
 mod error_against_rays;
 mod exponential;
-mod ldprt_scattering;
-mod ldprt_table;
 mod ldprt_coherence;
 mod ldprt_fig2;
 mod ldprt_fig3;
 mod ldprt_glossy;
+mod ldprt_scattering;
+mod ldprt_table;
 mod ldprt_trade;
 mod ldprt_wrinkle;
 mod numbers;

@@ -7,7 +7,7 @@ use crate::{Error, Geometry, ZonalTransfer};
 
 /// A surface whose transfer is a sum of zonal lobes at each vertex, so that it can follow a deformation.
 ///
-/// In the file: the tensors of the surface as for [`BakedSurface`], `explicit` `[V, k]`, `lobe_axis` `[V, N, 3]`, `lobe_coeff` `[V, N, n]`.
+/// In the file: the tensors of the surface as for [`BakedSurface`](crate::BakedSurface), `explicit` `[V, k]`, `lobe_axis` `[V, N, 3]`, `lobe_coeff` `[V, N, n]`.
 /// With `C` = 3 channels or `R` > 1 rows these have their own dimensions after the first, rows before channels; `view_map` is
 /// `[size, size, R]`. The lobes are in the frame of the scene in the pose that was baked.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,10 +21,10 @@ pub struct ZonalSurface {
 }
 
 impl ZonalSurface {
-    /// Reads a baked file of this kind, checked as [`BakedSurface::read`] does.
+    /// Reads a baked file of this kind, checked as [`BakedSurface::read`](crate::BakedSurface::read) does.
     ///
     /// # Errors
-    /// As [`BakedSurface::read`].
+    /// As [`BakedSurface::read`](crate::BakedSurface::read).
     pub fn read(path: &Path) -> Result<Self, Error> {
         match BakedFile::read(path)? {
             BakedFile::Zonal(surface) => Ok(surface),
@@ -67,10 +67,10 @@ pub struct ZonalTexture {
 }
 
 impl ZonalTexture {
-    /// Reads a baked file of this kind, checked as [`BakedSurface::read`] does.
+    /// Reads a baked file of this kind, checked as [`BakedSurface::read`](crate::BakedSurface::read) does.
     ///
     /// # Errors
-    /// As [`BakedSurface::read`].
+    /// As [`BakedSurface::read`](crate::BakedSurface::read).
     pub fn read(path: &Path) -> Result<Self, Error> {
         match BakedFile::read(path)? {
             BakedFile::Texture(texture) => Ok(texture),
