@@ -50,11 +50,11 @@ fn mean_error(lobe_count: usize, options: &FitOptions, vectors: std::ops::Range<
 
 #[test]
 fn random_vectors_are_fitted_as_well_as_in_the_paper() {
-    // The bounds hold for the mean of 1,000 vectors, see `repro ldprt/fig2`. The means of 100 have a standard deviation of
+    // The bounds hold for the mean of 1,000 vectors, see `repro ldprt/fig2`. The means of 100 have a standard deviation of
     // about 0.005, or 1/10 of themselves at N = 6: two of them.
     for (lobe_count, bound) in [(1, 0.755 + 0.01), (2, 0.54 + 0.01), (3, 0.325 + 0.01), (4, 0.145 + 0.01)] {
-        let error = mean_error(lobe_count, &FitOptions::thorough(), 0..100);
-        assert!(error < bound && error > 0.8 * bound, "{lobe_count} lobes: {error}");
+        let error = mean_error(lobe_count, &FitOptions { starts: 100, ..FitOptions::thorough() }, 0..100);
+        assert!(error < bound && error > 0.7 * bound, "{lobe_count} lobes: {error}");
     }
     let error = mean_error(6, &FitOptions { starts: 10, ..FitOptions::thorough() }, 0..50);
     assert!(error < 1e-4, "{error}");
@@ -64,7 +64,7 @@ fn random_vectors_are_fitted_as_well_as_in_the_paper() {
 fn more_effort_is_not_worse() {
     for lobe_count in [2, 4] {
         let errors = [FitOptions::fast(), FitOptions::default(), FitOptions::thorough()]
-            .map(|options| mean_error(lobe_count, &options, 0..40));
+            .map(|options| mean_error(lobe_count, &options, 0..20));
         assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
     }
 }
