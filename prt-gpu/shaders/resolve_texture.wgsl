@@ -11,7 +11,9 @@ struct TextureParams {
     // 1 if the records end with an albedo; its first item.
     has_albedo: u32,
     albedo_item: u32,
-    padding: vec2<u32>,
+    // 1 if the records have a normal of the relief; its first item.
+    has_normals: u32,
+    normal_item: u32,
 }
 
 // 0: all nearest; 1: explicit coefficients bilinear; 2: all bilinear.
@@ -106,6 +108,18 @@ fn texel_albedo(taps: Taps) -> vec3<f32> {
     return vec3(item(taps, i), item(taps, i + 1u), item(taps, i + 2u));
 }
 
+// The frame in which the view map is looked up: about the normal of the relief where there is one. See relief_frame in src/frame.rs.
+fn view_frame(taps: Taps, local: mat3x3<f32>) -> mat3x3<f32> {
+    if !HAS_VIEW_MAP || texture_params.has_normals == 0u {
+        return local;
+    }
+    let i = texture_params.normal_item;
+    let z = unit_or(vec3(item(taps, i), item(taps, i + 1u), item(taps, i + 2u)), vec3(0.0, 0.0, 1.0));
+    let rest = vec3(1.0, 0.0, 0.0) - z.x * z;
+    let x = unit_or(select(vec3(0.0), rest, dot(rest, rest) > 1e-10), vec3(0.0, 0.0, -1.0));
+    return local * mat3x3(x, cross(z, x), z);
+}
+
 fn texture_place(uv: vec2<f32>) -> vec2<f32> {
     let scale = texture_params.scale;
     return clamp(vec2(exact(uv.x * scale.x), exact(uv.y * scale.y)), vec2(-1e9), vec2(1e9));
@@ -131,7 +145,7 @@ fn surface_radiance(triangle: u32, at: Hit) -> vec3<f32> {
     if SAMPLING == 2u {
         lobe_taps = around;
     }
-    let light = transferred(around, lobe_taps, local, view_place(point.position, local));
+    let light = transferred(around, lobe_taps, local, view_place(point.position, view_frame(near, local)));
     return point.albedo * texel_albedo(around) * light;
 }
 

@@ -34,6 +34,16 @@ pub(crate) fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     Some(scaled.map(|x| x / length))
 }
 
+/// The frame of a relief's normal, in the world: z the normal, x the tangent made perpendicular to it, y = z × x.
+///
+/// - `frame`: orthonormal, of the surface below the relief
+/// - `normal`: in that frame
+pub(crate) fn relief_frame(frame: &[[f32; 3]; 3], normal: [f32; 3]) -> [[f32; 3]; 3] {
+    let z = unit(normal).unwrap_or([0.0, 0.0, 1.0]);
+    let x = orthogonal([1.0, 0.0, 0.0], z).unwrap_or([0.0, 0.0, -1.0]);
+    [x, cross(z, x), z].map(|column| rotate(frame, column))
+}
+
 /// A unit vector orthogonal to a unit normal.
 pub(crate) fn any_tangent(normal: [f32; 3]) -> [f32; 3] {
     let axis = if normal[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };

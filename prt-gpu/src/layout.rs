@@ -135,7 +135,9 @@ pub(crate) struct TextureParams {
     pub(crate) has_albedo: u32,
     /// Item of a record at which the albedo begins.
     pub(crate) albedo_item: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) has_normals: u32,
+    /// Item of a record at which the normal of the relief begins.
+    pub(crate) normal_item: u32,
 }
 
 /// `SkinParams` of `skin.wgsl`.

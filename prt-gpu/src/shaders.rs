@@ -130,7 +130,10 @@ mod tests {
             );
         }
         assert_layout!(&BUILD_TABLE, TableParams { columns, rows, band_count, first_band, light });
-        assert_layout!(&RESOLVE_TEXTURE, TextureParams { size, scale, has_albedo, albedo_item, padding });
+        assert_layout!(
+            &RESOLVE_TEXTURE,
+            TextureParams { size, scale, has_albedo, albedo_item, has_normals, normal_item }
+        );
         assert_layout!(&SKIN, SkinParams { vertex_count, row_length, from_rest, padding });
         assert_layout!(&SKIN, Influence { weights, joints });
         for shader in [&DRAW_SURFACE, &RESOLVE, &RESOLVE_TEXTURE] {

@@ -16,6 +16,8 @@ pub struct LobeTexture<'a> {
     pub albedo: Option<&'a [[f32; 3]]>,
     /// Lobes of `H · W` points.
     pub lobes: Lobes<'a>,
+    /// `[H, W]`, unit normals of the relief in tangent space, about which a view map is looked up.
+    pub normals: Option<&'a [[f32; 3]]>,
 }
 
 impl<'a> LobeTexture<'a> {
@@ -40,7 +42,23 @@ impl<'a> LobeTexture<'a> {
             check_length("albedo", albedo.len(), "texels", width * height, because)?;
             check_albedo("albedo of texel", albedo)?;
         }
-        Ok(Self { width, height, albedo, lobes })
+        Ok(Self { width, height, albedo, lobes, normals: None })
+    }
+
+    /// With the normals of the relief `[H, W]`, which glossy lobes need: a view map is looked up in the frame of the nearest texel's
+    /// normal, whose x axis is that of tangent space made perpendicular to it, and y = z × x. Without them it is looked up in tangent space.
+    ///
+    /// # Errors
+    /// [`Error::Length`], [`Error::NotFinite`].
+    pub fn with_normals(self, normals: &'a [[f32; 3]]) -> Result<Self, Error> {
+        let (width, height) = (self.width, self.height);
+        check_length("normals", normals.len(), "texels", width * height, || {
+            format!("a texture of {width} x {height}")
+        })?;
+        match normals.iter().position(|normal| !all_finite(normal)) {
+            Some(item) => Err(Error::NotFinite { what: "normal of texel", item }),
+            None => Ok(Self { normals: Some(normals), ..self }),
+        }
     }
 }
 

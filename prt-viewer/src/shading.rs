@@ -102,7 +102,8 @@ impl<'a> Drawing<'a> {
             PartTransfer::Textured(transfer) => {
                 let Content::Textured(textured) = &model.content else { unreachable!("only textures have texels") };
                 let texture = &textured.texture;
-                let texture = LobeTexture::new(texture.width, texture.height, None, lobes::shaded(transfer)?)?;
+                let texture = LobeTexture::new(texture.width, texture.height, None, lobes::shaded(transfer)?)?
+                    .with_normals(&texture.normals)?;
                 let uvs = uvs.as_deref().unwrap_or_default();
                 let surface = TexturedSurface::new(positions, triangles, uvs, albedo, texture)?
                     .with_repeat(textured.repeat.map(|tiles| tiles as f32))?;

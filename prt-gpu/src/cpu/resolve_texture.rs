@@ -1,6 +1,6 @@
 use super::rasterize::{Paint, Point, blend};
 use super::shade_lobes::{Bands, LobeLight, PointLobes, view_factors};
-use crate::frame::{orthonormal_or_replaced, orthonormalised, rotate, unit};
+use crate::frame::{orthonormal_or_replaced, orthonormalised, relief_frame, rotate, unit};
 use crate::triangle::exact_perspective_weights;
 use crate::{LobeSampling, LobeTexture, TexturedSurface};
 
@@ -72,7 +72,9 @@ impl Paint for TexturePaint<'_> {
         self.light.evaluate(&scratch.axes, &mut scratch.bands);
         scratch.factors.resize(surface.texture.lobes.shape.rows, 1.0);
         if let Some(map) = surface.texture.lobes.view_map {
-            view_factors(map, &frame, position(), self.eye, &mut scratch.factors);
+            let normal = surface.texture.normals.map(|normals| normals[near.texels[0]]);
+            let looked_from = normal.map_or(frame, |normal| relief_frame(&frame, normal));
+            view_factors(map, &looked_from, position(), self.eye, &mut scratch.factors);
         }
         let lobes = PointLobes { explicit: &scratch.explicit, coeffs: &scratch.coeffs };
         let shape = &surface.texture.lobes.shape;

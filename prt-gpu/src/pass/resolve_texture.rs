@@ -36,7 +36,8 @@ impl TextureShading {
     pub(crate) fn new(gpu: &Gpu, surface: &TexturedSurface<'_>) -> Result<Self, Error> {
         let texture = &surface.texture;
         let albedo_item = layout::lobe_record_length(&texture.lobes.shape);
-        let record_length = albedo_item + if texture.albedo.is_some() { 3 } else { 0 };
+        let normal_item = albedo_item + if texture.albedo.is_some() { 3 } else { 0 };
+        let record_length = normal_item + if texture.normals.is_some() { 3 } else { 0 };
         let bytes = (record_length * texture.width * texture.height * size_of::<f32>()) as u64;
         gpu.check_binding(format!("a texture of {} x {} texels", texture.width, texture.height), bytes)?;
         let params = TextureParams {
@@ -44,7 +45,8 @@ impl TextureShading {
             scale: texels_per_uv(surface),
             has_albedo: u32::from(texture.albedo.is_some()),
             albedo_item: albedo_item as u32,
-            padding: [0; 2],
+            has_normals: u32::from(texture.normals.is_some()),
+            normal_item: normal_item as u32,
         };
         let pose = layout::pack_pose(surface.positions, &[]);
         let mut shading = Self {
@@ -105,10 +107,13 @@ impl TextureShading {
     }
 }
 
-/// All texels, each one's record followed by its albedo.
+/// All texels, each one's record followed by its albedo and the normal of the relief.
 fn records(surface: &TexturedSurface<'_>) -> Vec<f32> {
     let texture = &surface.texture;
     let texels = 0..texture.width * texture.height;
     let albedo = |texel: usize| texture.albedo.map(|albedo| albedo[texel]).into_iter().flatten();
-    texels.flat_map(|texel| layout::lobe_record(&texture.lobes, texel).chain(albedo(texel))).collect()
+    let normal = |texel: usize| texture.normals.map(|normals| normals[texel]).into_iter().flatten();
+    texels
+        .flat_map(|texel| layout::lobe_record(&texture.lobes, texel).chain(albedo(texel)).chain(normal(texel)))
+        .collect()
 }
