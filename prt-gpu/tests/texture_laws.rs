@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use prt_gpu::{
     Evaluation, Frame, LobeSampling, LobeShape, LobeSurface, LobeTexture, Lobes, PoseFrames, Skin, TexturedSurface,
-    View, cpu,
+    View, ViewMap, cpu,
 };
 use sh_core::Order;
 
@@ -173,6 +173,39 @@ fn one_texel_is_a_vertex_in_its_frame() {
             }
         }
     }
+}
+
+/// Gloss about the normal of a relief is gloss of a flat surface whose frame is tilted as the relief is.
+#[test]
+fn relief_tilts_the_frame_of_the_view() {
+    const SIZE: usize = 4;
+    let shape = LobeShape { order: order(2), rows: 2, channels: 1, lobe_count: 0, explicit_count: 1 };
+    let values: Vec<f32> = noise(2 * SIZE * SIZE, 11);
+    let map = ViewMap { size: SIZE, values: &values };
+    let lobes = Lobes::new(shape, &[1.0, 2.0], &[], &[], Some(map)).unwrap();
+    let flat = LobeTexture::new(1, 1, None, lobes).unwrap();
+    let normals = [unit(&[0.5, -0.3, 0.8])];
+    let relief = flat.with_normals(&normals).unwrap();
+    // z the normal, x that of the tangent made perpendicular to it.
+    let n = normals[0];
+    let x = unit(&[1.0 - n[0] * n[0], -n[0] * n[1], -n[0] * n[2]]);
+    let y = [n[1] * x[2] - n[2] * x[1], n[2] * x[0] - n[0] * x[2], n[0] * x[1] - n[1] * x[0]];
+    let view = View::new(CAMERA, 3, 3, 1).unwrap();
+    let light = noise(12, 12);
+    let draw = |texture, frame| {
+        let surface = TexturedSurface::new(&SQUARE, &TRIANGLES, &UVS, &WHITE, texture).unwrap();
+        let eye = Some([0.4, 0.9, 2.0]);
+        cpu::render_textured(&surface, &[frame; 4], &light, order(2), eye, Evaluation::Direct, &view).unwrap()
+    };
+    let (tilted, expected, level) = (draw(relief, IDENTITY), draw(flat, [x, y, n]), draw(flat, IDENTITY));
+    let mut moved = 0.0_f32;
+    for ((a, b), c) in tilted.pixels.iter().zip(&expected.pixels).zip(&level.pixels) {
+        assert!((a[0] - b[0]).abs() < 1e-5, "{a:?} {b:?}");
+        moved = moved.max((a[0] - c[0]).abs());
+    }
+    assert!(moved > 0.01, "the relief counts: {moved}");
+    let error = flat.with_normals(&[]).unwrap_err().to_string();
+    assert_eq!(error, "normals has 0 texels; a texture of 1 x 1 needs 1");
 }
 
 /// Interpolated lobes of corresponding texels: between two axes lies the axis in the middle.

@@ -270,6 +270,8 @@ struct TextureScene {
     side: [usize; 2],
     uvs: Vec<[f32; 2]>,
     texels: Vec<[f32; 3]>,
+    /// Of the relief, for the view map.
+    normals: Vec<[f32; 3]>,
 }
 
 impl TextureScene {
@@ -280,12 +282,14 @@ impl TextureScene {
         let texels = vectors(points, 60).into_iter().map(|t| t.map(|x| 0.6 + 0.3 * x)).collect();
         let frames = sphere_frames(&mesh.positions);
         let lobes = LobeScene { frames, ..LobeScene::new(mesh, shape, points) };
-        Self { lobes, side, uvs, texels }
+        let normals = vectors(points, 80).into_iter().map(|[x, y, z]| unit([x, y, 0.3 + z.abs()])).collect();
+        Self { lobes, side, uvs, texels, normals }
     }
 
     fn surface(&self, has_albedo: bool) -> TexturedSurface<'_> {
         let albedo = has_albedo.then_some(&self.texels[..]);
         let texture = LobeTexture::new(self.side[0], self.side[1], albedo, self.lobes.lobes()).unwrap();
+        let texture = if self.lobes.shape.rows > 1 { texture.with_normals(&self.normals).unwrap() } else { texture };
         let mesh = &self.lobes.mesh;
         TexturedSurface::new(&mesh.positions, &mesh.triangles, &self.uvs, &mesh.albedo, texture).unwrap()
     }
