@@ -35,4 +35,40 @@ pub enum Error {
         /// Points that are to be fitted.
         points: usize,
     },
+    /// A number of a model is out of its range.
+    #[error("{what} is {given}; it must be {accepted}")]
+    Parameter {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        given: f64,
+        /// The values that have a meaning.
+        accepted: &'static str,
+    },
+    /// The same for one of many.
+    #[error("{what} {item} is {given}; it must be {accepted}")]
+    Item {
+        /// What the number is.
+        what: &'static str,
+        /// Which one of them.
+        item: usize,
+        /// Its value.
+        given: f64,
+        /// The values that have a meaning.
+        accepted: &'static str,
+    },
+    /// A table of a reflectance has another number of values than its maps have pairs of texels.
+    #[error("the table has {given} values; maps of {0}×{0} views and {1}×{1} lights need as many as they have pairs", .sizes[0], .sizes[1])]
+    TableSize {
+        /// Texels along a side of the maps of views and lights.
+        sizes: [usize; 2],
+        /// The number of values.
+        given: usize,
+    },
+    /// A reflectance is infinite or not a number.
+    #[error("the reflectance seen from {view:?} is not finite")]
+    Reflectance {
+        /// The direction of the view.
+        view: [f64; 3],
+    },
 }

@@ -42,10 +42,14 @@
 //! |---|---|---|
 //! | `parallel` | yes | several threads; without it the same bytes from one |
 
+mod brdf;
+mod conjugate;
 mod error;
 mod fit;
+mod hemisphere;
 mod linear_lobe;
 mod lobes;
+mod membrane;
 mod neighbours;
 mod options;
 mod parallel;
@@ -56,10 +60,17 @@ mod search;
 mod solver;
 mod start;
 
+pub use brdf::{
+    Brdf, BrdfFactors, CookTorrance, FactorOptions, Fresnel, Ggx, Lambert, Phong, TabulatedBrdf, factor_brdf,
+};
 pub use error::Error;
 pub use fit::{LobeFit, fit_lobes, fit_lobes_many};
+pub use hemisphere::{
+    disk_to_hemisphere, disk_to_square, hemisphere_to_disk, hemisphere_to_square, square_to_disk, square_to_hemisphere,
+};
 pub use linear_lobe::{ZonalLobe, optimal_linear_lobe};
 pub use lobes::{LobeSet, explicit_count};
+pub use membrane::{membrane_lobe, membrane_lobes};
 pub use neighbours::Neighbours;
 pub use options::{FitOptions, Method};
 pub use report::{Distribution, FitReport, Stop, StopCounts};
