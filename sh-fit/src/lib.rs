@@ -46,6 +46,7 @@ mod brdf;
 mod conjugate;
 mod error;
 mod fit;
+mod groove;
 mod hemisphere;
 mod linear_lobe;
 mod lobes;
@@ -65,6 +66,7 @@ pub use brdf::{
 };
 pub use error::Error;
 pub use fit::{LobeFit, fit_lobes, fit_lobes_many};
+pub use groove::{Groove, groove_transfer};
 pub use hemisphere::{
     disk_to_hemisphere, disk_to_square, hemisphere_to_disk, hemisphere_to_square, square_to_disk, square_to_hemisphere,
 };
