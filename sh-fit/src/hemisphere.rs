@@ -133,7 +133,7 @@ mod tests {
         #[test]
         fn areas_are_kept(a in 0.01..0.99, b in 0.01..0.99) {
             // A difference must not cross a diagonal, where the map has a crease.
-            prop_assume!(((a - b) as f64).abs() > 1e-3 && ((a + b - 1.0) as f64).abs() > 1e-3);
+            prop_assume!(f64::abs(a - b) > 1e-3 && f64::abs(a + b - 1.0) > 1e-3);
             let step = 1e-5;
             let difference = |axis: usize| {
                 let mut ends = [[a, b], [a, b]];

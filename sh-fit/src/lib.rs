@@ -42,15 +42,20 @@
 //! |---|---|---|
 //! | `parallel` | yes | several threads; without it the same bytes from one |
 
+mod blend;
 mod brdf;
+mod coherent;
 mod conjugate;
 mod error;
+mod field;
 mod fit;
+mod grid;
 mod groove;
 mod hemisphere;
 mod linear_lobe;
 mod lobes;
 mod membrane;
+mod misfit;
 mod neighbours;
 mod options;
 mod parallel;
@@ -60,12 +65,16 @@ mod report;
 mod search;
 mod solver;
 mod start;
+mod wrinkle;
 
+pub use blend::{Blend, interpolate};
 pub use brdf::{
     Brdf, BrdfFactors, CookTorrance, FactorOptions, Fresnel, Ggx, Lambert, Phong, TabulatedBrdf, factor_brdf,
 };
+pub use coherent::{BetweenError, CoherentOptions, CoherentReport, interpolation_error, make_coherent, match_lobes};
 pub use error::Error;
 pub use fit::{LobeFit, fit_lobes, fit_lobes_many};
+pub use grid::{Grid, GridOptions, GridReport, fit_grid};
 pub use groove::{Groove, groove_transfer};
 pub use hemisphere::{
     disk_to_hemisphere, disk_to_square, hemisphere_to_disk, hemisphere_to_square, square_to_disk, square_to_hemisphere,
@@ -73,9 +82,11 @@ pub use hemisphere::{
 pub use linear_lobe::{ZonalLobe, optimal_linear_lobe};
 pub use lobes::{LobeSet, explicit_count};
 pub use membrane::{membrane_lobe, membrane_lobes};
+pub use misfit::relative_error;
 pub use neighbours::Neighbours;
 pub use options::{FitOptions, Method};
 pub use report::{Distribution, FitReport, Stop, StopCounts};
+pub use wrinkle::{WrinkleModel, WrinkleOptions, WrinkleReport};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

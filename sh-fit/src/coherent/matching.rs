@@ -1,0 +1,141 @@
+//! Which lobe of a vertex is which lobe of its neighbour.
+
+use std::collections::VecDeque;
+
+use super::assignment::assign;
+use crate::field::{axis_energy, band_weight};
+use crate::{Error, LobeSet, Neighbours};
+
+/// Sweeps over all vertices after the first one. Each lowers the sum of the distances, so they end by themselves; two or three
+/// are usual.
+const MAX_SWEEPS: usize = 20;
+
+/// Reorders the lobes of each vertex, and turns them to the other side, so that they are near those of its neighbours.
+///
+/// Both leave the function as it is: a lobe with the opposite axis and negated odd bands is the same lobe. The order spreads
+/// over each connected part from its first vertex, each vertex being matched to those before it; then all are matched to all
+/// their neighbours until nothing changes. Returns how many vertices changed.
+///
+/// # Errors
+/// [`Error::Neighbours`] if `neighbours` has another number of points.
+pub fn match_lobes(set: &mut LobeSet, neighbours: &Neighbours) -> Result<usize, Error> {
+    let points = set.point_count();
+    if neighbours.point_count() != points {
+        return Err(Error::Neighbours { neighbours: neighbours.point_count(), points });
+    }
+    let before = (set.axes.clone(), set.coeffs.clone());
+    for (v, earlier) in breadth_first(neighbours) {
+        match_vertex(set, v, &earlier);
+    }
+    for _ in 0..MAX_SWEEPS {
+        let changed = (0..points).filter(|&v| match_vertex(set, v, neighbours.of(v))).count();
+        if changed == 0 {
+            break;
+        }
+    }
+    Ok((0..points).filter(|&v| differs(set, &before, v)).count())
+}
+
+fn differs(set: &LobeSet, (axes, coeffs): &(Vec<[f32; 3]>, Vec<f32>), v: usize) -> bool {
+    let (n, size) = (set.lobe_count, set.channels * set.lobe_count * set.order.get());
+    set.axes_of(v) != &axes[v * n..][..n] || set.coeffs[v * size..][..size] != coeffs[v * size..][..size]
+}
+
+/// All vertices, each with its neighbours that come before it.
+fn breadth_first(neighbours: &Neighbours) -> Vec<(usize, Vec<u32>)> {
+    let mut place = vec![usize::MAX; neighbours.point_count()];
+    let mut order = Vec::with_capacity(place.len());
+    for first in 0..place.len() {
+        let mut queue = VecDeque::from([first as u32]);
+        while let Some(v) = queue.pop_front() {
+            if place[v as usize] != usize::MAX {
+                continue;
+            }
+            place[v as usize] = order.len();
+            let earlier = |w: &&u32| place[**w as usize] < order.len();
+            let earlier: Vec<u32> = neighbours.of(v as usize).iter().filter(earlier).copied().collect();
+            queue.extend(neighbours.of(v as usize).iter().filter(|w| place[**w as usize] == usize::MAX));
+            order.push((v as usize, earlier));
+        }
+    }
+    order
+}
+
+/// Matches one vertex to some others. True if it changed.
+fn match_vertex(set: &mut LobeSet, v: usize, others: &[u32]) -> bool {
+    let count = set.lobe_count;
+    if others.is_empty() || count == 0 {
+        return false;
+    }
+    let lobes: Vec<Lobe> = (0..count).map(|lobe| Lobe::of(set, v, lobe)).collect();
+    // [N, N] distance of each lobe to each place, from the nearer side.
+    let mut distances = vec![[0.0; 2]; count * count];
+    for &w in others {
+        for (place, other) in (0..count).map(|place| (place, Lobe::of(set, w as usize, place))) {
+            for (lobe, here) in lobes.iter().enumerate() {
+                let [same, opposite] = here.distances(&other);
+                distances[lobe * count + place][0] += same;
+                distances[lobe * count + place][1] += opposite;
+            }
+        }
+    }
+    let nearer: Vec<f64> = distances.iter().map(|[same, opposite]| same.min(*opposite)).collect();
+    let places = assign(&nearer, count);
+    let total: f64 = places.iter().enumerate().map(|(lobe, place)| nearer[lobe * count + place]).sum();
+    let stays: f64 = (0..count).map(|lobe| distances[lobe * count + lobe][0]).sum();
+    // A tie must not turn lobes for ever.
+    if total >= stays * (1.0 - 1e-9) {
+        return false;
+    }
+    for (lobe, (here, place)) in lobes.iter().zip(places).enumerate() {
+        let [same, opposite] = distances[lobe * count + place];
+        here.store(set, v, place, opposite < same);
+    }
+    true
+}
+
+/// A lobe of a vertex, for all channels.
+#[derive(Debug)]
+struct Lobe {
+    axis: [f64; 3],
+    /// `[C, n]`
+    coeffs: Vec<f64>,
+    bands: usize,
+    energy: f64,
+}
+
+impl Lobe {
+    fn of(set: &LobeSet, point: usize, lobe: usize) -> Self {
+        let n = set.order.get();
+        let channel = |channel| set.coeffs_of(point, channel)[lobe * n..][..n].iter().map(|&g| f64::from(g));
+        let coeffs: Vec<f64> = (0..set.channels).flat_map(channel).collect();
+        let energy = coeffs.chunks_exact(n).map(|lobe| axis_energy(lobe.iter().copied())).sum();
+        Self { axis: set.axes_of(point)[lobe].map(f64::from), coeffs, bands: n, energy }
+    }
+
+    /// Squared distances in axis and coefficients, as it is and from the other side. As in the penalty of a fit.
+    fn distances(&self, other: &Self) -> [f64; 2] {
+        let energy = 0.5 * (self.energy + other.energy);
+        [1.0, -1.0].map(|side| {
+            let axes = self.axis.iter().zip(other.axis).map(|(a, b)| (a - side * b).powi(2)).sum::<f64>();
+            let coeffs = self.coeffs.iter().zip(&other.coeffs).enumerate().map(|(i, (g, h))| {
+                let l = i % self.bands;
+                let sign = if l % 2 == 1 { side } else { 1.0 };
+                band_weight(l) * (g - sign * h).powi(2)
+            });
+            energy * axes + coeffs.sum::<f64>()
+        })
+    }
+
+    fn store(&self, set: &mut LobeSet, point: usize, place: usize, other_side: bool) {
+        let (n, lobes) = (self.bands, set.lobe_count);
+        let sign = if other_side { -1.0 } else { 1.0 };
+        set.axes[point * lobes + place] = self.axis.map(|x| (sign * x) as f32);
+        for (channel, coeffs) in self.coeffs.chunks_exact(n).enumerate() {
+            let to = &mut set.coeffs[((point * set.channels + channel) * lobes + place) * n..][..n];
+            for (l, (to, from)) in to.iter_mut().zip(coeffs).enumerate() {
+                *to = (if l % 2 == 1 { sign * from } else { *from }) as f32;
+            }
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! Wrinkles: a map of lobes over places in a groove and its depth.
+
+use nalgebra::{DMatrix, DVector};
+use sh_core::{Order, eval, linear_axis};
+
+use crate::blend::interpolate;
+use crate::grid::interpolated_error;
+use crate::{Error, Grid, GridOptions, GridReport, Groove, LobeSet, explicit_count, fit_grid, groove_transfer};
+
+/// Lobes of the model: the optimal linear lobe, and one to each side of it.
+const LOBES: usize = 3;
+
+/// What wrinkles to simulate, and how finely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrinkleOptions {
+    /// Number of bands `n`.
+    pub order: Order,
+    /// Nodes along x and along the depth. The paper's are 32×32.
+    pub sizes: [usize; 2],
+    /// The depth of the last row of nodes, in widths of the groove; the first row is flat.
+    pub max_depth: f64,
+    /// What the walls reflect onto each other; 0 is direct light alone.
+    pub albedo: f64,
+    /// Samples per node along each axis, 1..=16.
+    pub oversampling: usize,
+    /// The joint fit.
+    pub fit: GridOptions,
+}
+
+impl WrinkleOptions {
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first setting that cannot be used.
+    pub fn validate(&self) -> Result<(), Error> {
+        if !(1..=16).contains(&self.oversampling) {
+            let given = self.oversampling as f64;
+            return Err(Error::Parameter { what: "oversampling", given, accepted: "1..=16" });
+        }
+        if !(0.0..=1.0).contains(&self.albedo) {
+            return Err(Error::Parameter { what: "albedo", given: self.albedo, accepted: "0..=1" });
+        }
+        if self.sizes.iter().any(|size| !(1..=256).contains(size)) {
+            let given = self.sizes.iter().copied().max().unwrap_or(0) as f64;
+            return Err(Error::Parameter { what: "size of the map", given, accepted: "1..=256" });
+        }
+        Groove::new(self.max_depth)?;
+        self.fit.validate()
+    }
+}
+
+impl Default for WrinkleOptions {
+    /// Order 6, 32×32 nodes up to a depth of one width, walls of albedo 0.8.
+    fn default() -> Self {
+        Self {
+            order: const {
+                match Order::new(6) {
+                    Ok(order) => order,
+                    Err(_) => unreachable!(),
+                }
+            },
+            sizes: [32, 32],
+            max_depth: 1.0,
+            albedo: 0.8,
+            oversampling: 2,
+            fit: GridOptions::default(),
+        }
+    }
+}
+
+/// Diffuse transfer in a groove, by place and depth, as three lobes with band 0 and 1 explicit.
+///
+/// In the frame of the undisturbed surface: x across the groove, y along it, z up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrinkleModel {
+    /// One point per node, row-major: `x` along the columns, depth down the rows.
+    pub map: LobeSet,
+    /// Nodes over `(x, depth/max_depth)`; wraps along `x`.
+    pub grid: Grid,
+    /// The depth of the last row, in widths of the groove.
+    pub max_depth: f64,
+    /// How the fit went.
+    pub report: WrinkleReport,
+}
+
+/// How well a map of a wrinkle fits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WrinkleReport {
+    /// The joint fit over all samples.
+    pub fit: GridReport,
+    /// The relative error of the map in the middle between four nodes, at places that were not fitted.
+    pub between_error: f64,
+}
+
+impl WrinkleModel {
+    /// Simulates the groove and fits the map.
+    ///
+    /// The start has the optimal linear lobe at each node and one to each side of it in the cross-section, at the angle that fits
+    /// best there; then all nodes are fitted together with [`fit_grid`], to samples that are denser than the nodes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first option that cannot be used.
+    ///
+    /// Source: [SLS05](sh_core#references) section 4.2, wrinkle model.
+    pub fn fit(options: &WrinkleOptions) -> Result<Self, Error> {
+        options.validate()?;
+        let grid = Grid::new(options.sizes, [true, false])?;
+        let start = start(options, &grid)?;
+        let (places, targets) = samples(options, [0.0, 0.0])?;
+        let (map, fit) = fit_grid(&start, &grid, &places, &targets, &options.fit)?;
+        let (places, targets) = samples(options, [0.5, 0.5])?;
+        let blends: Vec<_> = places.iter().map(|&place| grid.blend(place)).collect();
+        let between_error = interpolated_error(&map, &blends, &targets);
+        Ok(Self { map, grid, max_depth: options.max_depth, report: WrinkleReport { fit, between_error } })
+    }
+
+    /// The lobes at a place `x`, in widths of the groove, and a depth; one point.
+    ///
+    /// `x` repeats; a depth out of the range of the map counts as its end.
+    #[must_use]
+    pub fn sample(&self, x: f64, depth: f64) -> LobeSet {
+        let y = if self.max_depth > 0.0 { depth / self.max_depth } else { 0.0 };
+        interpolate(&self.map, &[self.grid.blend([x, y])])
+    }
+
+    /// The height and the unit normal of the surface that the lobes are for, for a renderer that shows it.
+    ///
+    /// A depth out of the range of the map counts as its end.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a depth that is not a number.
+    pub fn surface(&self, x: f64, depth: f64) -> Result<(f64, [f64; 3]), Error> {
+        let groove = Groove::new(depth.clamp(0.0, self.max_depth))?;
+        Ok((groove.height(x), groove.normal(x)))
+    }
+}
+
+/// Places and transfer, `oversampling` per node; shifted by parts of the distance of samples.
+fn samples(options: &WrinkleOptions, shift: [f64; 2]) -> Result<(Vec<[f64; 2]>, Vec<f32>), Error> {
+    /// Points of the simulation of each depth, at least: for the accuracy of the interreflection.
+    const LEAST: usize = 128;
+    let columns = options.oversampling * options.sizes[0];
+    let rows = options.oversampling * (options.sizes[1] - 1) + 1;
+    // The simulation has points at both, samples and the middles between them.
+    let refine = LEAST.div_ceil(2 * columns).max(1) * 2;
+    let skip = (shift[0] * refine as f64) as usize;
+    let (mut places, mut targets) = (Vec::new(), Vec::new());
+    for row in 0..rows - usize::from(shift[1] > 0.0 && rows > 1) {
+        let depth = if rows > 1 { (row as f64 + shift[1]) / (rows - 1) as f64 } else { 0.0 };
+        let groove = Groove::new(depth * options.max_depth)?;
+        let transfer = groove_transfer(options.order, &groove, options.albedo, columns * refine)?;
+        let points = transfer.chunks_exact(options.order.coeff_count()).enumerate().skip(skip).step_by(refine);
+        for (point, transfer) in points {
+            places.push([point as f64 / (columns * refine) as f64, depth]);
+            targets.extend(transfer.iter().map(|&t| t as f32));
+        }
+    }
+    Ok((places, targets))
+}
+
+/// Three lobes at each node.
+fn start(options: &WrinkleOptions, grid: &Grid) -> Result<LobeSet, Error> {
+    let order = options.order;
+    let mut set = LobeSet::zeros(order, 1, LOBES, explicit_count(order, LOBES), grid.node_count());
+    let size = LOBES * order.get();
+    for row in 0..options.sizes[1] {
+        let groove = Groove::new(grid.node(row * options.sizes[0])[1] * options.max_depth)?;
+        // Nodes are between points of twice as many.
+        let transfer = groove_transfer(order, &groove, options.albedo, 2 * options.sizes[0])?;
+        for column in 0..options.sizes[0] {
+            let node = row * options.sizes[0] + column;
+            let target = &transfer[(2 * column + 1) * order.coeff_count()..][..order.coeff_count()];
+            let (axes, coeffs) = symmetric_lobes(order, set.explicit_count.isqrt(), target);
+            let k = set.explicit_count;
+            set.explicit[node * k..][..k].iter_mut().zip(target).for_each(|(to, from)| *to = *from as f32);
+            set.axes[node * LOBES..][..LOBES].copy_from_slice(&axes.map(|axis| axis.map(|x| x as f32)));
+            set.coeffs[node * size..][..size].iter_mut().zip(&coeffs).for_each(|(to, from)| *to = *from as f32);
+        }
+    }
+    Ok(set)
+}
+
+/// The optimal linear lobe and two beside it in the xz plane, at the best angle.
+fn symmetric_lobes(order: Order, first: usize, target: &[f64]) -> ([[f64; 3]; LOBES], Vec<f64>) {
+    /// Angles that are tried, of up to 90°.
+    const ANGLES: usize = 30;
+    let [x, _, z] = linear_axis(target);
+    let turned = |angle: f64| {
+        let (sin, cos) = angle.sin_cos();
+        [x * cos + z * sin, 0.0, z * cos - x * sin]
+    };
+    let tried = (2..=ANGLES).map(|k| {
+        let angle = std::f64::consts::FRAC_PI_2 * k as f64 / ANGLES as f64;
+        let axes = [turned(0.0), turned(angle), turned(-angle)];
+        let (coeffs, error) = coeffs_about(order, first, &axes, target);
+        (axes, coeffs, error)
+    });
+    let (axes, coeffs, _) = tried.min_by(|a, b| a.2.total_cmp(&b.2)).expect("several angles");
+    (axes, coeffs)
+}
+
+/// The coefficients `[N, n]` that fit best about given axes, and the squared error that they leave, band by band.
+fn coeffs_about(order: Order, first: usize, axes: &[[f64; 3]; LOBES], target: &[f64]) -> (Vec<f64>, f64) {
+    /// Keeps the coefficients of nearly coincident lobes from cancelling each other.
+    const RIDGE: f64 = 1e-3;
+    let mut values = vec![0.0; LOBES * order.coeff_count()];
+    for (values, axis) in values.chunks_exact_mut(order.coeff_count()).zip(axes) {
+        eval(order, *axis, values);
+    }
+    let (mut coeffs, mut error) = (vec![0.0; LOBES * order.get()], 0.0);
+    for (l, band) in order.bands().skip(first) {
+        let columns =
+            DMatrix::from_fn(band.len(), LOBES, |m, lobe| values[lobe * order.coeff_count() + band.start + m]);
+        let rows = DVector::from_column_slice(&target[band]);
+        let mut gram = columns.tr_mul(&columns);
+        (0..LOBES).for_each(|lobe| gram[(lobe, lobe)] *= 1.0 + RIDGE);
+        if let Some(solved) = gram.cholesky().map(|gram| gram.solve(&columns.tr_mul(&rows))) {
+            error += (rows - columns * &solved).norm_squared();
+            (0..LOBES).for_each(|lobe| coeffs[lobe * order.get() + l] = solved[lobe]);
+        }
+    }
+    (coeffs, error)
+}
