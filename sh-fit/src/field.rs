@@ -5,9 +5,11 @@ use sh_core::{BasisGradient, Order};
 use crate::LobeSet;
 use crate::blend::{Blend, unit_or_z};
 use crate::conjugate::{Limits, Search, minimise};
+use crate::parallel::Threads;
+use crate::problem::lobe_norm;
 
-/// Samples that one task works on.
-const CHUNK: usize = 64;
+/// Samples that are worked on together.
+const CHUNK: usize = 8;
 
 /// A signal at a place, and how much it counts.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +40,7 @@ pub(crate) struct Field<'a> {
     first: usize,
     samples: &'a [Sample<'a>],
     links: &'a [Link],
+    threads: &'a Threads,
     /// `[links, N]`: what a change of the axis is worth, see [`axis_energy`].
     axis_weights: Vec<f64>,
     basis: BasisGradient<f64>,
@@ -48,17 +51,18 @@ pub(crate) struct Field<'a> {
 ///
 /// From `|f − f'|² = Σ (2l+1)/(4π) g*_l² · 2 (1 − P_l(cos δ))` and `P_l(cos δ) ≈ 1 − l(l+1)/4 δ²`.
 pub(crate) fn axis_energy(lobe: impl Iterator<Item = f64>) -> f64 {
-    lobe.enumerate().map(|(l, g)| band_weight(l) * 0.5 * (l * (l + 1)) as f64 * g * g).sum()
-}
-
-/// `(2l+1)/(4π)`, the squared length of a band of a lobe with `g*_l = 1`.
-pub(crate) fn band_weight(l: usize) -> f64 {
-    (2 * l + 1) as f64 * 0.25 * std::f64::consts::FRAC_1_PI
+    lobe.enumerate().map(|(l, g)| lobe_norm(l) * 0.5 * (l * (l + 1)) as f64 * g * g).sum()
 }
 
 /// Refits the lobes of `set`, from where they are. The explicit coefficients stay.
-pub(crate) fn refine(set: &mut LobeSet, samples: &[Sample<'_>], links: &[Link], limits: Limits) -> Search {
-    let mut field = Field::new(set, samples, links);
+pub(crate) fn refine(
+    set: &mut LobeSet,
+    samples: &[Sample<'_>],
+    links: &[Link],
+    limits: Limits,
+    threads: &Threads,
+) -> Search {
+    let mut field = Field::new(set, samples, links, threads);
     let mut variables = field.variables(set);
     field.axis_weights = field.link_weights(&variables);
     let scale = field.scale(&variables);
@@ -68,7 +72,7 @@ pub(crate) fn refine(set: &mut LobeSet, samples: &[Sample<'_>], links: &[Link], 
 }
 
 impl<'a> Field<'a> {
-    fn new(set: &LobeSet, samples: &'a [Sample<'a>], links: &'a [Link]) -> Self {
+    fn new(set: &LobeSet, samples: &'a [Sample<'a>], links: &'a [Link], threads: &'a Threads) -> Self {
         Self {
             order: set.order,
             channels: set.channels,
@@ -76,6 +80,7 @@ impl<'a> Field<'a> {
             first: set.explicit_count.isqrt(),
             samples,
             links,
+            threads,
             axis_weights: Vec::new(),
             basis: BasisGradient::new(set.order),
         }
@@ -151,7 +156,7 @@ impl<'a> Field<'a> {
         let mut scale = Vec::with_capacity(variables.len());
         for (count, energies) in counts.iter().zip(energies.chunks_exact(self.lobe_count.max(1))) {
             scale.extend(energies.iter().flat_map(|energy| [0.5 / (count * energy.max(least)); 3]));
-            let bands = (self.first..self.order.get()).map(|l| 0.5 / (count * band_weight(l)));
+            let bands = (self.first..self.order.get()).map(|l| 0.5 / (count * lobe_norm(l)));
             let lobes = (0..self.channels * self.lobe_count).flat_map(|_| bands.clone());
             scale.extend(lobes);
         }
@@ -199,20 +204,14 @@ impl<'a> Field<'a> {
     fn sample_slopes(&self, variables: &[f64], units: &[[f64; 3]]) -> (Vec<f64>, Vec<f64>) {
         let stride = self.stride().max(1);
         let mut slopes = vec![0.0; self.samples.len() * stride];
-        let mut costs = vec![0.0; self.samples.len().div_ceil(CHUNK)];
-        let chunk = |(samples, (slopes, cost)): (&[Sample<'_>], (&mut [f64], &mut f64))| {
-            let mut worker = Worker::new(self);
+        let chunks = self.samples.chunks(CHUNK).zip(slopes.chunks_mut(CHUNK * stride));
+        let mut chunks: Vec<_> = chunks.map(|(samples, slopes)| (samples, slopes, 0.0)).collect();
+        let work = |worker: &mut Worker<'_>, _, (samples, slopes, cost): &mut (&[Sample<'_>], &mut [f64], f64)| {
             let samples = samples.iter().zip(slopes.chunks_exact_mut(stride));
             *cost = samples.map(|(sample, slopes)| worker.slopes(sample, variables, units, slopes)).sum();
         };
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            let out = slopes.par_chunks_mut(CHUNK * stride).zip(&mut costs);
-            self.samples.par_chunks(CHUNK).zip(out).for_each(chunk);
-        }
-        #[cfg(not(feature = "parallel"))]
-        self.samples.chunks(CHUNK).zip(slopes.chunks_mut(CHUNK * stride).zip(&mut costs)).for_each(chunk);
+        self.threads.for_each(&mut chunks, &|_| (), || Worker::new(self), work);
+        let costs = chunks.iter().map(|chunk| chunk.2).collect();
         (costs, slopes)
     }
 
@@ -235,7 +234,7 @@ impl<'a> Field<'a> {
             for index in 3 * lobes..stride {
                 let l = self.first + (index - 3 * lobes) % self.bands();
                 let difference = variables[p * stride + index] - variables[q * stride + index];
-                add(link.weight * band_weight(l), difference, index);
+                add(link.weight * lobe_norm(l), difference, index);
             }
         }
         sum

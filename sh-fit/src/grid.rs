@@ -4,6 +4,7 @@ use crate::blend::{Blend, interpolate};
 use crate::conjugate::{Limits, Search, minimise};
 use crate::field::{Sample, refine};
 use crate::misfit::{assert_targets, finite, relative_error};
+use crate::parallel::Threads;
 use crate::{Error, LobeSet};
 
 /// A rectangle of nodes over the unit square, between which everything is bilinear.
@@ -85,6 +86,8 @@ pub struct GridOptions {
     pub max_iterations: usize,
     /// Three iterations in a row that lower the squared error by less than this part of it end the fit.
     pub tolerance: f64,
+    /// Number of threads; all that the machine has if `None`. The result is the same for any number.
+    pub threads: Option<usize>,
 }
 
 impl GridOptions {
@@ -99,7 +102,7 @@ impl GridOptions {
 
 impl Default for GridOptions {
     fn default() -> Self {
-        Self { max_iterations: 500, tolerance: 1e-4 }
+        Self { max_iterations: 500, tolerance: 1e-4, threads: None }
     }
 }
 
@@ -141,7 +144,7 @@ pub struct GridReport {
 /// A node that no sample reaches stays as it is. The result is the same for any number of threads.
 ///
 /// # Errors
-/// [`Error::Parameter`] for options out of their range, [`Error::Item`] names the first sample that is not finite.
+/// [`Error::Parameter`] and [`Error::Option`] for options that cannot be used, [`Error::Item`] names the first sample that is not finite.
 ///
 /// # Panics
 /// If `start` does not have one point per node, or `targets` is not `[S, C, n²]`.
@@ -165,8 +168,9 @@ pub fn fit_grid(
     let start_error = interpolated_error(&set, &blends, targets);
     let sample = |(blend, target)| Sample { blend, weight: 1.0, target };
     let samples: Vec<Sample<'_>> = blends.iter().copied().zip(targets.chunks_exact(size)).map(sample).collect();
+    let threads = Threads::new(options.threads)?;
     let limits = Limits { iterations: options.max_iterations, tolerance: options.tolerance };
-    let Search { iterations, evaluations, converged, .. } = refine(&mut set, &samples, &[], limits);
+    let Search { iterations, evaluations, converged, .. } = refine(&mut set, &samples, &[], limits, &threads);
     let relative_error = interpolated_error(&set, &blends, targets);
     Ok((set, GridReport { start_error, relative_error, iterations, evaluations, converged }))
 }

@@ -1,10 +1,11 @@
 //! Wrinkles: a map of lobes over places in a groove and its depth.
 
-use nalgebra::{DMatrix, DVector};
-use sh_core::{Order, eval, linear_axis};
+use sh_core::{Order, linear_axis};
 
 use crate::blend::interpolate;
 use crate::grid::interpolated_error;
+use crate::problem::{Projected, Signal};
+use crate::solver::Landscape;
 use crate::{Error, Grid, GridOptions, GridReport, Groove, LobeSet, explicit_count, fit_grid, groove_transfer};
 
 /// Lobes of the model: the optimal linear lobe, and one to each side of it.
@@ -160,9 +161,12 @@ fn samples(options: &WrinkleOptions, shift: [f64; 2]) -> Result<(Vec<[f64; 2]>, 
 
 /// Three lobes at each node.
 fn start(options: &WrinkleOptions, grid: &Grid) -> Result<LobeSet, Error> {
+    /// Keeps the coefficients of nearly coincident lobes from cancelling each other.
+    const RIDGE: f64 = 1e-3;
     let order = options.order;
     let mut set = LobeSet::zeros(order, 1, LOBES, explicit_count(order, LOBES), grid.node_count());
     let size = LOBES * order.get();
+    let mut projected = Projected::new(Signal::new(order, 1, set.explicit_count.isqrt()), RIDGE);
     for row in 0..options.sizes[1] {
         let groove = Groove::new(grid.node(row * options.sizes[0])[1] * options.max_depth)?;
         // Nodes are between points of twice as many.
@@ -170,7 +174,7 @@ fn start(options: &WrinkleOptions, grid: &Grid) -> Result<LobeSet, Error> {
         for column in 0..options.sizes[0] {
             let node = row * options.sizes[0] + column;
             let target = &transfer[(2 * column + 1) * order.coeff_count()..][..order.coeff_count()];
-            let (axes, coeffs) = symmetric_lobes(order, set.explicit_count.isqrt(), target);
+            let (axes, coeffs) = symmetric_lobes(order, &mut projected, target);
             let k = set.explicit_count;
             set.explicit[node * k..][..k].iter_mut().zip(target).for_each(|(to, from)| *to = *from as f32);
             set.axes[node * LOBES..][..LOBES].copy_from_slice(&axes.map(|axis| axis.map(|x| x as f32)));
@@ -180,44 +184,26 @@ fn start(options: &WrinkleOptions, grid: &Grid) -> Result<LobeSet, Error> {
     Ok(set)
 }
 
-/// The optimal linear lobe and two beside it in the xz plane, at the best angle.
-fn symmetric_lobes(order: Order, first: usize, target: &[f64]) -> ([[f64; 3]; LOBES], Vec<f64>) {
-    /// Angles that are tried, of up to 90°.
+/// The optimal linear lobe and two beside it in the xz plane, at the best angle, with their coefficients `[N, n]`.
+fn symmetric_lobes(order: Order, projected: &mut Projected, target: &[f64]) -> ([[f64; 3]; LOBES], Vec<f64>) {
+    /// Angles that are tried, of up to 90°; the first one is left out, where lobes nearly coincide.
     const ANGLES: usize = 30;
     let [x, _, z] = linear_axis(target);
-    let turned = |angle: f64| {
-        let (sin, cos) = angle.sin_cos();
-        [x * cos + z * sin, 0.0, z * cos - x * sin]
+    let axes = |k: usize| {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_2 * k as f64 / ANGLES as f64).sin_cos();
+        [[x, 0.0, z], [x * cos + z * sin, 0.0, z * cos - x * sin], [x * cos - z * sin, 0.0, z * cos + x * sin]]
     };
-    let tried = (2..=ANGLES).map(|k| {
-        let angle = std::f64::consts::FRAC_PI_2 * k as f64 / ANGLES as f64;
-        let axes = [turned(0.0), turned(angle), turned(-angle)];
-        let (coeffs, error) = coeffs_about(order, first, &axes, target);
-        (axes, coeffs, error)
-    });
-    let (axes, coeffs, _) = tried.min_by(|a, b| a.2.total_cmp(&b.2)).expect("several angles");
-    (axes, coeffs)
-}
-
-/// The coefficients `[N, n]` that fit best about given axes, and the squared error that they leave, band by band.
-fn coeffs_about(order: Order, first: usize, axes: &[[f64; 3]; LOBES], target: &[f64]) -> (Vec<f64>, f64) {
-    /// Keeps the coefficients of nearly coincident lobes from cancelling each other.
-    const RIDGE: f64 = 1e-3;
-    let mut values = vec![0.0; LOBES * order.coeff_count()];
-    for (values, axis) in values.chunks_exact_mut(order.coeff_count()).zip(axes) {
-        eval(order, *axis, values);
-    }
-    let (mut coeffs, mut error) = (vec![0.0; LOBES * order.get()], 0.0);
-    for (l, band) in order.bands().skip(first) {
-        let columns =
-            DMatrix::from_fn(band.len(), LOBES, |m, lobe| values[lobe * order.coeff_count() + band.start + m]);
-        let rows = DVector::from_column_slice(&target[band]);
-        let mut gram = columns.tr_mul(&columns);
-        (0..LOBES).for_each(|lobe| gram[(lobe, lobe)] *= 1.0 + RIDGE);
-        if let Some(solved) = gram.cholesky().map(|gram| gram.solve(&columns.tr_mul(&rows))) {
-            error += (rows - columns * &solved).norm_squared();
-            (0..LOBES).for_each(|lobe| coeffs[lobe * order.get() + l] = solved[lobe]);
-        }
-    }
-    (coeffs, error)
+    projected.signal_mut().load(target);
+    let mut error = |k: usize| {
+        projected.set_axes(&axes(k));
+        projected.value()
+    };
+    let best = (2..=ANGLES).map(|k| (error(k), k)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(ANGLES, |best| best.1);
+    projected.set_axes(&axes(best));
+    let signal = projected.signal();
+    let coeff = |lobe, l| if l < signal.first_band() { 0.0 } else { signal.length() * projected.lobe(l, 0, lobe) };
+    (
+        axes(best),
+        (0..LOBES).flat_map(|lobe| (0..order.get()).map(move |l| (lobe, l))).map(|(lobe, l)| coeff(lobe, l)).collect(),
+    )
 }

@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::assignment::assign;
-use crate::field::{axis_energy, band_weight};
+use crate::field::axis_energy;
+use crate::problem::lobe_norm;
 use crate::{Error, LobeSet, Neighbours};
 
 /// Sweeps over all vertices after the first one. Each lowers the sum of the distances, so they end by themselves; two or three
@@ -121,7 +122,7 @@ impl Lobe {
             let coeffs = self.coeffs.iter().zip(&other.coeffs).enumerate().map(|(i, (g, h))| {
                 let l = i % self.bands;
                 let sign = if l % 2 == 1 { side } else { 1.0 };
-                band_weight(l) * (g - sign * h).powi(2)
+                lobe_norm(l) * (g - sign * h).powi(2)
             });
             energy * axes + coeffs.sum::<f64>()
         })

@@ -12,6 +12,7 @@ use crate::conjugate::{Limits, Search};
 use crate::field::{Link, Sample, refine};
 use crate::grid::validate;
 use crate::misfit::{assert_targets, finite, relative_error};
+use crate::parallel::Threads;
 use crate::{Error, LobeSet, Neighbours};
 
 /// How lobes are made to correspond.
@@ -30,6 +31,8 @@ pub struct CoherentOptions {
     pub max_iterations: usize,
     /// Three iterations in a row that lower the cost by less than this part of it end a stage.
     pub tolerance: f64,
+    /// Number of threads; all that the machine has if `None`. The result is the same for any number.
+    pub threads: Option<usize>,
 }
 
 impl CoherentOptions {
@@ -52,7 +55,7 @@ impl CoherentOptions {
 
 impl Default for CoherentOptions {
     fn default() -> Self {
-        Self { smoothness: 1e-3, between: 1.0, stages: 3, max_iterations: 100, tolerance: 1e-3 }
+        Self { smoothness: 1e-3, between: 1.0, stages: 3, max_iterations: 100, tolerance: 1e-3, threads: None }
     }
 }
 
@@ -93,7 +96,7 @@ pub struct CoherentReport {
 /// The same bytes for any number of threads. On a closed mesh it takes seconds for ten thousand vertices.
 ///
 /// # Errors
-/// [`Error::Parameter`] for options out of their range, [`Error::Neighbours`] if `neighbours` has another number of points.
+/// [`Error::Parameter`] and [`Error::Option`] for options that cannot be used, [`Error::Neighbours`] if `neighbours` has another number of points.
 ///
 /// # Panics
 /// If `targets` is not `[V, C, n²]`.
@@ -112,11 +115,12 @@ pub fn make_coherent(
     let signal = Signal::new(set, targets, neighbours, options.between);
     let samples = signal.samples();
     let mut total = Search { cost: 0.0, iterations: 0, evaluations: 0, converged: true };
+    let threads = Threads::new(options.threads)?;
     let limits = Limits { iterations: options.max_iterations, tolerance: options.tolerance };
     for stage in (0..options.stages).rev().filter(|_| options.max_iterations > 0) {
         let smoothness = options.smoothness * 10_f64.powi(stage as i32);
         let links: Vec<Link> = signal.edges.iter().map(|edge| edge.link(smoothness)).collect();
-        let search = refine(set, &samples, &links, limits);
+        let search = refine(set, &samples, &links, limits, &threads);
         total.iterations += search.iterations;
         total.evaluations += search.evaluations;
         total.converged = search.converged;
