@@ -354,3 +354,75 @@ impl<'f> Worker<'f> {
         }
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn set(numbers: &[f64], channels: usize, lobe_count: usize, first: usize) -> LobeSet {
+        let mut set = LobeSet::zeros(Order::new(4).unwrap(), channels, lobe_count, first * first, 3);
+        let mut numbers = numbers.iter().cycle();
+        let mut next = || *numbers.next().unwrap() as f32;
+        set.axes.iter_mut().for_each(|axis| *axis = [next(), next(), 1.0]);
+        for (i, g) in set.coeffs.iter_mut().enumerate().filter(|(i, _)| i % 4 >= first) {
+            *g = next() / (1 + i % 4) as f32;
+        }
+        set
+    }
+
+    proptest! {
+        /// The gradient is that of central differences, for samples at points and between them, and for links.
+        #[test]
+        fn the_gradient_is_that_of_differences(
+            numbers in prop::collection::vec(-1.0_f64..1.0, 97),
+            (channels, first) in (1_usize..=2, 1_usize..=2),
+        ) {
+            let set = set(&numbers, channels, 2, first);
+            let targets: Vec<f32> = numbers.iter().cycle().skip(5).take(3 * channels * 16).map(|&x| x as f32).collect();
+            let blends = [Blend::at(0), Blend::barycentric([0, 1, 2], [0.5, 0.2, 0.3]), Blend::midpoint(1, 2)];
+            let samples = blends.iter().zip(targets.chunks_exact(channels * 16)).zip([1.0, 0.7, 2.0]);
+            let samples: Vec<Sample<'_>> =
+                samples.map(|((&blend, target), weight)| Sample { blend, weight, target }).collect();
+            let links = [Link { points: [0, 1], weight: 0.3 }, Link { points: [1, 2], weight: 0.9 }];
+            let threads = Threads::new(Some(1)).unwrap();
+            let mut field = Field::new(&set, &samples, &links, &threads);
+            let mut x = field.variables(&set);
+            field.axis_weights = field.link_weights(&x);
+            let (mut gradient, mut unused) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            field.cost(&x, &mut gradient);
+            for i in 0..x.len() {
+                let step = 1e-5;
+                let here = x[i];
+                x[i] = here + step;
+                let high = field.cost(&x, &mut unused);
+                x[i] = here - step;
+                let low = field.cost(&x, &mut unused);
+                x[i] = here;
+                let difference = (high - low) / (2.0 * step);
+                // Third derivatives are below 1e3.
+                prop_assert!((gradient[i] - difference).abs() < 1e-6, "{i}: {} {difference}", gradient[i]);
+            }
+        }
+
+        /// The cost is the squared error that reconstruction has.
+        #[test]
+        fn the_cost_is_the_squared_error(numbers in prop::collection::vec(-1.0_f64..1.0, 53)) {
+            let mut set = set(&numbers, 1, 3, 2);
+            set.axes.iter_mut().for_each(|axis| *axis = unit_or_z(axis.map(f64::from)).0.map(|x| x as f32));
+            let mut target: Vec<f32> = numbers[..16].iter().map(|&x| x as f32).collect();
+            let mut found = vec![0.0; 16];
+            set.reconstruct(1, 0, &mut found);
+            target[..4].copy_from_slice(&found[..4]);
+            let expected: f64 = found.iter().zip(&target).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+            let samples = [Sample { blend: Blend::at(1), weight: 3.0, target: &target }];
+            let threads = Threads::new(Some(1)).unwrap();
+            let field = Field::new(&set, &samples, &[], &threads);
+            let x = field.variables(&set);
+            let cost = field.cost(&x, &mut vec![0.0; x.len()]);
+            prop_assert!((cost - 3.0 * expected).abs() < 1e-5 * (1.0 + expected), "{cost} {expected}");
+        }
+    }
+}

@@ -225,3 +225,139 @@ fn fit_explicit(set: &mut LobeSet, blends: &[Blend], targets: &[f32]) {
         to.zip(&nodes).for_each(|(to, from)| *to = *from as f32);
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use proptest::prelude::*;
+    use sh_core::Order;
+
+    use super::*;
+
+    fn grid(sizes: [usize; 2], wraps: [bool; 2]) -> Grid {
+        Grid::new(sizes, wraps).unwrap()
+    }
+
+    fn value(grid: &Grid, place: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> f64 {
+        grid.blend(place).parts().map(|(node, weight)| weight * f(grid.node(node))).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn weights_add_up_and_reproduce_nodes(w in 1_usize..6, h in 1_usize..6, wx: bool, wy: bool, x in -2.0_f64..3.0, y in -2.0_f64..3.0) {
+            let grid = grid([w, h], [wx, wy]);
+            prop_assert!((value(&grid, [x, y], |_| 1.0) - 1.0).abs() < 1e-12);
+            prop_assert!(grid.blend([x, y]).parts().all(|(node, weight)| node < w * h && weight > 0.0));
+            for node in 0..w * h {
+                let at: f64 = grid.blend(grid.node(node)).parts().filter(|part| part.0 == node).map(|part| part.1).sum();
+                prop_assert!((at - 1.0).abs() < 1e-12, "{node} {at}");
+            }
+        }
+
+        /// A linear function is reproduced between nodes, and a wrapping axis repeats.
+        #[test]
+        fn between_nodes_it_is_linear(x in 0.0_f64..1.0, y in 0.0_f64..1.0) {
+            let open = grid([4, 7], [false, false]);
+            prop_assert!((value(&open, [x, y], |[x, y]| 2.0 * x - y) - (2.0 * x - y)).abs() < 1e-12);
+            let tile = grid([8, 5], [true, false]);
+            let f = |[x, y]: [f64; 2]| (std::f64::consts::TAU * x).sin() + y;
+            prop_assert!((value(&tile, [x, y], f) - value(&tile, [x + 3.0, y], f)).abs() < 1e-12);
+            // Second derivative 4π², distance 1/8.
+            prop_assert!((value(&tile, [x, y], f) - f([x, y])).abs() < 40.0 / 8.0 / 64.0);
+        }
+    }
+
+    /// A smooth field of lobes on a grid.
+    fn truth(grid: &Grid, n: usize, lobe_count: usize) -> LobeSet {
+        let order = Order::new(n).unwrap();
+        let k = crate::explicit_count(order, lobe_count);
+        let mut set = LobeSet::zeros(order, 1, lobe_count, k, grid.node_count());
+        for node in 0..grid.node_count() {
+            let [x, y] = grid.node(node);
+            for i in 0..k {
+                set.explicit[node * k + i] = (x * y + i as f64) as f32;
+            }
+            for lobe in 0..lobe_count {
+                let axis = [(x + 1.3 * lobe as f64).sin(), (y + lobe as f64).cos(), 0.5];
+                set.axes[node * lobe_count + lobe] = unit(axis);
+                for l in k.isqrt()..n {
+                    set.coeffs[(node * lobe_count + lobe) * n + l] =
+                        ((1.0 + x - 0.5 * y) / (1 + l + lobe) as f64) as f32;
+                }
+            }
+        }
+        set
+    }
+
+    fn unit(axis: [f64; 3]) -> [f32; 3] {
+        crate::blend::unit_or_z(axis).0.map(|x| x as f32)
+    }
+
+    fn sampled(grid: &Grid, set: &LobeSet, size: usize) -> (Vec<[f64; 2]>, Vec<f32>) {
+        let places: Vec<[f64; 2]> =
+            (0..size * size).map(|i| [(i % size) as f64, (i / size) as f64].map(|t| (t + 0.5) / size as f64)).collect();
+        let blends: Vec<Blend> = places.iter().map(|&place| grid.blend(place)).collect();
+        let between = interpolate(set, &blends);
+        let mut targets = vec![0.0; places.len() * set.order.coeff_count()];
+        for (i, target) in targets.chunks_exact_mut(set.order.coeff_count()).enumerate() {
+            between.reconstruct(i, 0, target);
+        }
+        (places, targets)
+    }
+
+    #[test]
+    fn a_bilinear_field_is_found_again() {
+        for (sizes, n, lobe_count) in [([4, 3], 4, 2), ([1, 1], 3, 1), ([3, 1], 5, 3), ([2, 2], 2, 1)] {
+            let grid = grid(sizes, [true, false]);
+            let truth = truth(&grid, n, lobe_count);
+            let (places, targets) = sampled(&grid, &truth, 12);
+            let mut start = truth.clone();
+            start.explicit.fill(0.0);
+            for (i, axis) in start.axes.iter_mut().enumerate() {
+                let by = 0.1 * (i as f64).sin();
+                *axis = unit([f64::from(axis[0]) + by, f64::from(axis[1]) - by, f64::from(axis[2])]);
+            }
+            start.coeffs.iter_mut().for_each(|g| *g *= 0.9);
+            let options = GridOptions { max_iterations: 3000, tolerance: 1e-9, threads: Some(1) };
+            let (found, report) = fit_grid(&start, &grid, &places, &targets, &options).unwrap();
+            assert!(report.relative_error < 1e-4, "{sizes:?} {report:?}");
+            assert!(report.start_error > 20.0 * report.relative_error || n == 2, "{report:?}");
+            for (a, b) in found.explicit.iter().zip(&truth.explicit) {
+                assert!((a - b).abs() < 1e-4, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_without_samples_stay() {
+        let grid = grid([5, 1], [false, false]);
+        let truth = truth(&grid, 4, 1);
+        let (_, targets) = sampled(&grid, &truth, 4);
+        let places = [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0], [0.25, 0.0]];
+        let (found, _) = fit_grid(&truth, &grid, &places, &targets[..4 * 16], &GridOptions::default()).unwrap();
+        assert_eq!(found.axes_of(4), truth.axes_of(4));
+        assert_eq!(found.coeffs_of(3, 0), truth.coeffs_of(3, 0));
+        assert_eq!(found.explicit_of(4, 0), truth.explicit_of(4, 0));
+        assert_ne!(found.coeffs_of(0, 0), truth.coeffs_of(0, 0));
+    }
+
+    #[test]
+    fn bad_input_is_named() {
+        let grid_ok = grid([2, 2], [false, false]);
+        let start = truth(&grid_ok, 2, 1);
+        let (mut places, mut targets) = sampled(&grid_ok, &start, 3);
+        let options = GridOptions::default();
+        targets[4 * 5 + 2] = f32::NAN;
+        let message = fit_grid(&start, &grid_ok, &places, &targets, &options).unwrap_err().to_string();
+        assert!(message.starts_with("transfer of sample 5 is NaN"), "{message}");
+        targets[4 * 5 + 2] = 0.0;
+        places[7][1] = f64::INFINITY;
+        let message = fit_grid(&start, &grid_ok, &places, &targets, &options).unwrap_err().to_string();
+        assert!(message.starts_with("place of sample 7 is inf"), "{message}");
+        assert!(Grid::new([0, 3], [false; 2]).is_err() && Grid::new([3, 5000], [false; 2]).is_err());
+        assert!(GridOptions { tolerance: f64::NAN, ..options }.validate().is_err());
+        // Nothing to fit to.
+        let (same, report) = fit_grid(&start, &grid_ok, &[], &[], &GridOptions::default()).unwrap();
+        assert_eq!((same, report.relative_error), (start, 0.0));
+    }
+}

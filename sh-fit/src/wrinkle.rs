@@ -41,9 +41,8 @@ impl WrinkleOptions {
         if !(0.0..=1.0).contains(&self.albedo) {
             return Err(Error::Parameter { what: "albedo", given: self.albedo, accepted: "0..=1" });
         }
-        if self.sizes.iter().any(|size| !(1..=256).contains(size)) {
-            let given = self.sizes.iter().copied().max().unwrap_or(0) as f64;
-            return Err(Error::Parameter { what: "size of the map", given, accepted: "1..=256" });
+        if let Some(&size) = self.sizes.iter().find(|size| !(1..=256).contains(*size)) {
+            return Err(Error::Parameter { what: "size of the map", given: size as f64, accepted: "1..=256" });
         }
         Groove::new(self.max_depth)?;
         self.fit.validate()
@@ -206,4 +205,101 @@ fn symmetric_lobes(order: Order, projected: &mut Projected, target: &[f64]) -> (
         axes(best),
         (0..LOBES).flat_map(|lobe| (0..order.get()).map(move |l| (lobe, l))).map(|(lobe, l)| coeff(lobe, l)).collect(),
     )
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    fn small() -> WrinkleOptions {
+        let fit = GridOptions { max_iterations: 60, ..GridOptions::default() };
+        WrinkleOptions {
+            order: Order::new(5).unwrap(),
+            sizes: [12, 6],
+            max_depth: 0.6,
+            fit,
+            ..WrinkleOptions::default()
+        }
+    }
+
+    fn exact(options: &WrinkleOptions, k: usize, count: usize, depth: f64) -> Vec<f64> {
+        let groove = Groove::new(depth).unwrap();
+        let n2 = options.order.coeff_count();
+        groove_transfer(options.order, &groove, options.albedo, count).unwrap()[k * n2..][..n2].to_vec()
+    }
+
+    fn distance(found: &[f32], exact: &[f64]) -> f64 {
+        let squares = found.iter().zip(exact).map(|(a, b)| (f64::from(*a) - b).powi(2)).sum::<f64>();
+        (squares / exact.iter().map(|x| x * x).sum::<f64>()).sqrt()
+    }
+
+    #[test]
+    fn samples_are_near_the_simulation() {
+        let options = small();
+        let model = WrinkleModel::fit(&options).unwrap();
+        let report = model.report;
+        assert!(report.fit.relative_error < 0.05 && report.between_error < 0.05, "{report:?}");
+        assert!(report.fit.relative_error < 0.9 * report.fit.start_error, "{report:?}");
+        let mut found = vec![0.0; 25];
+        for (k, depth) in [(3, 0.3), (50, 0.45), (70, 0.1)] {
+            let lobes = model.sample(k as f64 / 100.0, depth);
+            lobes.reconstruct(0, 0, &mut found);
+            // Three times the mean.
+            assert!(distance(&found, &exact(&options, k, 100, depth)) < 0.15, "{k} {depth}");
+            assert_eq!(model.sample(k as f64 / 100.0 - 2.0, depth).axes.len(), 3);
+        }
+        // The explicit coefficients are bilinear, nothing else.
+        model.sample(0.3, 0.3).reconstruct(0, 0, &mut found);
+        assert!((f64::from(found[0]) - exact(&options, 30, 100, 0.3)[0]).abs() < 5e-3);
+    }
+
+    #[test]
+    fn without_depth_it_is_nearly_the_clamped_cosine() {
+        let options = WrinkleOptions { max_depth: 0.0, ..small() };
+        let model = WrinkleModel::fit(&options).unwrap();
+        let mut found = vec![0.0; 25];
+        for x in [0.0, 0.21, 0.9] {
+            model.sample(x, 0.0).reconstruct(0, 0, &mut found);
+            // One of the three lobes is enough; f32.
+            assert!(
+                distance(&found, &exact(&options, 0, 1, 0.0)) < 1e-3,
+                "{}",
+                distance(&found, &exact(&options, 0, 1, 0.0))
+            );
+        }
+    }
+
+    #[test]
+    fn the_smallest_and_deepest_are_finite() {
+        for (n, sizes, max_depth) in [(1, [1, 1], 0.5), (2, [1, 3], 1e3), (3, [4, 2], 20.0), (10, [2, 2], 1.0)] {
+            let order = Order::new(n).unwrap();
+            let fit = GridOptions { max_iterations: 10, ..GridOptions::default() };
+            let model =
+                WrinkleModel::fit(&WrinkleOptions { order, sizes, max_depth, fit, ..Default::default() }).unwrap();
+            let lobes = model.sample(0.4, 0.5 * max_depth);
+            assert!(lobes.explicit.iter().chain(&lobes.coeffs).chain(lobes.axes.as_flattened()).all(|x| x.is_finite()));
+            assert!(model.report.between_error.is_finite());
+        }
+    }
+
+    #[test]
+    fn the_surface_is_that_of_the_groove() {
+        let model =
+            WrinkleModel::fit(&WrinkleOptions { sizes: [2, 2], order: Order::new(2).unwrap(), ..small() }).unwrap();
+        let (height, normal) = model.surface(0.5, 0.25).unwrap();
+        assert_eq!((height, normal), (-0.25, Groove::new(0.25).unwrap().normal(0.5)));
+        // Clamped to the range of the map.
+        assert_eq!(model.surface(0.5, 9.0).unwrap().0, -0.6);
+        assert!(model.surface(0.5, f64::NAN).is_err());
+    }
+
+    #[test]
+    fn options_out_of_range_are_named() {
+        let refused = |options: WrinkleOptions| WrinkleModel::fit(&options).unwrap_err().to_string();
+        assert!(refused(WrinkleOptions { albedo: 1.1, ..small() }).starts_with("albedo is 1.1"));
+        assert!(refused(WrinkleOptions { oversampling: 0, ..small() }).starts_with("oversampling is 0"));
+        assert!(refused(WrinkleOptions { max_depth: f64::NAN, ..small() }).starts_with("depth of the groove is NaN"));
+        assert!(refused(WrinkleOptions { sizes: [32, 0], ..small() }).starts_with("size of the map is 0"));
+    }
 }

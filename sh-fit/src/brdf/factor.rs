@@ -1,9 +1,9 @@
 //! The factoring of a reflectance into functions of the view and vectors for the light.
 
-use nalgebra::{DMatrix, DVector, SVD};
 use sh_core::{Basis, Order};
 
 use super::Brdf;
+use super::svd::singular_terms;
 use crate::Error;
 use crate::hemisphere::{bilinear, hemisphere_to_square, square_to_hemisphere, texel_centres};
 
@@ -142,8 +142,7 @@ pub fn factor_brdf(
     if row_count == 0 {
         return Err(Error::Parameter { what: "number of rows", given: 0.0, accepted: "1 or more" });
     }
-    let matrix = sampled_matrix(brdf, order, options)?;
-    let (singular_values, terms) = singular_terms(&matrix).ok_or(Error::Reflectance { view: [0.0, 0.0, 1.0] })?;
+    let terms = singular_terms(sampled_columns(brdf, order, options)?);
     let size = options.map_size;
     let mut factors = BrdfFactors {
         order,
@@ -151,32 +150,32 @@ pub fn factor_brdf(
         map_size: size,
         view_map: vec![0.0; size * size * row_count],
         light: vec![0.0; row_count * order.coeff_count()],
-        singular_values: singular_values.iter().map(|s| s / size as f64).collect(),
+        singular_values: terms.iter().map(|term| term.value / size as f64).collect(),
     };
-    for (row, (left, right)) in terms.into_iter().take(row_count).enumerate() {
-        let sign = sign_of_mean(left.as_slice());
-        for (u, value) in factors.view_map[row..].iter_mut().step_by(row_count).zip(left.iter()) {
+    for (row, term) in terms.iter().take(row_count).enumerate() {
+        let sign = sign_of_mean(&term.left);
+        for (u, value) in factors.view_map[row..].iter_mut().step_by(row_count).zip(&term.left) {
             *u = (sign * size as f64 * value) as f32;
         }
         let light = &mut factors.light[row * order.coeff_count()..][..order.coeff_count()];
-        light.iter_mut().zip(right.iter()).for_each(|(light, value)| *light = sign * value / size as f64);
+        light.iter_mut().zip(&term.right).for_each(|(to, v)| *to = sign * term.value / size as f64 * v);
     }
     Ok(factors)
 }
 
-/// `B` of eq. 14.
-fn sampled_matrix(brdf: &(impl Brdf + ?Sized), order: Order, options: &FactorOptions) -> Result<DMatrix<f64>, Error> {
+/// The columns of `B` of eq. 14.
+fn sampled_columns(brdf: &(impl Brdf + ?Sized), order: Order, options: &FactorOptions) -> Result<Vec<Vec<f64>>, Error> {
     let views = options.map_size * options.map_size;
-    let mut matrix = DMatrix::zeros(views, order.coeff_count());
+    let mut columns = vec![Vec::with_capacity(views); order.coeff_count()];
     let mut integrator = Integrator::new(order, options.light_samples);
-    for (i, view) in texel_centres(options.map_size).map(square_to_hemisphere).enumerate() {
+    for view in texel_centres(options.map_size).map(square_to_hemisphere) {
         let row = integrator.integrate(brdf, view);
         if row.iter().any(|b| !b.is_finite()) {
             return Err(Error::Reflectance { view });
         }
-        matrix.row_mut(i).iter_mut().zip(row).for_each(|(to, from)| *to = *from);
+        columns.iter_mut().zip(row).for_each(|(column, b)| column.push(*b));
     }
-    Ok(matrix)
+    Ok(columns)
 }
 
 /// One row of `B`: `∫_H b(v, s) y_j(s) s_z ds`.
@@ -209,22 +208,6 @@ impl Integrator {
     }
 }
 
-/// A left singular vector, and its right one times the singular value.
-type Term = (DVector<f64>, DVector<f64>);
-
-/// Singular values, falling, with their vectors. None if the iteration does not converge.
-fn singular_terms(matrix: &DMatrix<f64>) -> Option<(Vec<f64>, Vec<Term>)> {
-    /// Sweeps; the method needs two or three per value.
-    const MAX_ITERATIONS: usize = 10_000;
-    let svd = SVD::try_new(matrix.clone(), true, true, f64::EPSILON, MAX_ITERATIONS)?;
-    let (left, right) = (svd.u?, svd.v_t?);
-    let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
-    order.sort_by(|&a, &b| svd.singular_values[b].total_cmp(&svd.singular_values[a]));
-    let value = |k: usize| svd.singular_values[k];
-    let term = |&k: &usize| (left.column(k).into_owned(), right.row(k).transpose() * value(k));
-    Some((order.iter().map(|&k| value(k)).collect(), order.iter().map(term).collect()))
-}
-
 fn sign_of_mean(values: &[f64]) -> f64 {
     /// A mean below this part of the root mean square is that of rounding: the function is odd about the normal.
     const NO_MEAN: f64 = 1e-9;
@@ -233,4 +216,158 @@ fn sign_of_mean(values: &[f64]) -> f64 {
     let largest = values.iter().fold(0.0, |a: f64, &b| if b.abs() > a.abs() { b } else { a });
     let deciding = if mean.abs() > NO_MEAN * size { mean } else { largest };
     1.0_f64.copysign(deciding)
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use std::f64::consts::FRAC_1_PI;
+
+    use proptest::prelude::*;
+    use sh_core::clamped_cosine;
+
+    use super::*;
+    use crate::{CookTorrance, Fresnel, Ggx, Lambert, Phong, TabulatedBrdf};
+
+    fn order(n: usize) -> Order {
+        Order::new(n).unwrap()
+    }
+
+    const SMALL: FactorOptions = FactorOptions { map_size: 8, light_samples: 32 };
+
+    fn shiny(roughness: f64) -> CookTorrance {
+        CookTorrance::new(roughness, Fresnel::Schlick { normal: 0.04 }).unwrap()
+    }
+
+    /// The sum of the products against the integral, over views; relative.
+    fn view_error(brdf: &dyn Brdf, factors: &BrdfFactors, views: &[[f64; 3]]) -> f64 {
+        let mut integrator = Integrator::new(factors.order, 64);
+        let mut u = vec![0.0; factors.row_count];
+        let count = factors.order.coeff_count();
+        let (mut error, mut length) = (0.0, 0.0);
+        for &view in views {
+            factors.view(view, &mut u);
+            for (j, b) in integrator.integrate(brdf, view).iter().enumerate() {
+                let sum: f64 = u.iter().enumerate().map(|(r, u)| u * factors.light[r * count + j]).sum();
+                error += (sum - b).powi(2);
+                length += b * b;
+            }
+        }
+        (error / length).sqrt()
+    }
+
+    #[test]
+    fn a_diffuse_surface_has_one_factor() {
+        let factors = factor_brdf(&Lambert, order(4), 2, &FactorOptions { light_samples: 200, ..SMALL }).unwrap();
+        assert!(factors.error(1) < 1e-12 && factors.error(0) == 1.0);
+        let mut zonal = [0.0; 4];
+        clamped_cosine(&mut zonal);
+        for i in 0..16_usize {
+            let l = i.isqrt();
+            let expected = if i == l * (l + 1) { zonal[l] * FRAC_1_PI } else { 0.0 };
+            // The quadrature of 200².
+            assert!((factors.light[i] - expected).abs() < 1e-4, "{i} {} {expected}", factors.light[i]);
+            assert!(factors.light[16 + i].abs() < 1e-12);
+        }
+        assert!(factors.view_map.chunks_exact(2).all(|u| (u[0] - 1.0).abs() < 1e-6));
+    }
+
+    #[test]
+    fn all_rows_reproduce_the_matrix_and_the_error_is_that_of_fewer() {
+        let views: Vec<[f64; 3]> = texel_centres(8).map(square_to_hemisphere).collect();
+        let options = FactorOptions { map_size: 8, light_samples: 64 };
+        for row_count in [1, 3, 16] {
+            let factors = factor_brdf(&shiny(0.3), order(4), row_count, &options).unwrap();
+            let found = view_error(&shiny(0.3), &factors, &views);
+            assert!(
+                (found - factors.error(row_count)).abs() < 1e-6,
+                "{row_count} {found} {}",
+                factors.error(row_count)
+            );
+        }
+    }
+
+    #[test]
+    fn between_texels_a_finer_map_is_nearer() {
+        let views: Vec<[f64; 3]> = texel_centres(11).map(square_to_hemisphere).collect();
+        let error = |map_size| {
+            let options = FactorOptions { map_size, light_samples: 64 };
+            view_error(&shiny(0.3), &factor_brdf(&shiny(0.3), order(4), 16, &options).unwrap(), &views)
+        };
+        let errors = [8, 16, 32].map(error);
+        assert!(errors[1] < 0.6 * errors[0] && errors[2] < 0.6 * errors[1], "{errors:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn errors_fall_and_rows_are_orthogonal(roughness in 0.0_f64..=1.0, n in 1_usize..=5) {
+            let brdf = Ggx::new(roughness, Fresnel::One).unwrap();
+            let factors = factor_brdf(&brdf, order(n), n * n, &SMALL).unwrap();
+            for r in 0..n * n {
+                prop_assert!(factors.error(r + 1) <= factors.error(r) + 1e-15);
+                for q in 0..r {
+                    let dot: f64 = (0..n * n).map(|j| factors.light[r * n * n + j] * factors.light[q * n * n + j]).sum();
+                    prop_assert!(dot.abs() < 1e-9, "{r} {q} {dot}");
+                }
+            }
+            prop_assert!(factors.error(n * n) < 1e-9);
+            prop_assert!(factors.view_map.iter().all(|u| u.is_finite()));
+        }
+    }
+
+    #[test]
+    fn every_model_and_size_is_finite() {
+        let table = TabulatedBrdf::tabulate(&shiny(0.5), [4, 8]);
+        let phong = Phong::new(30.0).unwrap();
+        let mirror = Ggx::new(0.0, Fresnel::Dielectric { index: 1.5 }).unwrap();
+        let (black, rough) = (|_: [f64; 3], _: [f64; 3]| 0.0, shiny(1.0));
+        let models: [&dyn Brdf; 5] = [&table, &phong, &mirror, &black, &rough];
+        for (brdf, (n, map_size)) in models.iter().flat_map(|brdf| [(1, 1), (2, 4), (10, 6)].map(|size| (brdf, size))) {
+            let options = FactorOptions { map_size, light_samples: 8 };
+            let factors = factor_brdf(*brdf, order(n), 3, &options).unwrap();
+            assert!(factors.view_map.iter().all(|u| u.is_finite()) && factors.light.iter().all(|b| b.is_finite()));
+            let mut u = [0.0; 3];
+            for view in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.6, -0.8], [0.0, 0.0, -1.0]] {
+                factors.view(view, &mut u);
+                assert!(u.iter().all(|u| u.is_finite()));
+            }
+        }
+    }
+
+    #[test]
+    fn signs_are_chosen() {
+        let factors = factor_brdf(&shiny(0.3), order(4), 4, &SMALL).unwrap();
+        let mean: f32 = factors.view_map.iter().step_by(4).sum();
+        assert!(mean > 0.0);
+        assert_eq!(factors, factor_brdf(&shiny(0.3), order(4), 4, &SMALL).unwrap());
+        assert_eq!(
+            [sign_of_mean(&[1.0, -3.0]), sign_of_mean(&[1.0, -1.0, 2.0, -2.0]), sign_of_mean(&[0.0])],
+            [-1.0, 1.0, 1.0]
+        );
+    }
+
+    #[test]
+    fn rows_of_transfer_are_the_light_through_the_matrix() {
+        let factors = factor_brdf(&shiny(0.4), order(2), 2, &SMALL).unwrap();
+        let matrix: Vec<f64> = (0..16).map(|i| f64::from(i) - 3.0).collect();
+        let mut rows = [0.0; 8];
+        factors.transfer_rows(&matrix, &mut rows);
+        for r in 0..2 {
+            for j in 0..4 {
+                let expected: f64 = (0..4).map(|i| factors.light[r * 4 + i] * matrix[i * 4 + j]).sum();
+                assert!((rows[r * 4 + j] - expected).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_factored_is_named() {
+        let nan = |view: [f64; 3], _: [f64; 3]| if view[0] > 0.9 { f64::NAN } else { 1.0 };
+        let error = factor_brdf(&nan, order(2), 1, &SMALL).unwrap_err();
+        assert!(error.to_string().starts_with("the reflectance seen from [0.9"), "{error}");
+        assert!(factor_brdf(&Lambert, order(2), 0, &SMALL).unwrap_err().to_string().starts_with("number of rows is 0"));
+        for map_size in [0, 1025] {
+            assert!(factor_brdf(&Lambert, order(2), 1, &FactorOptions { map_size, ..SMALL }).is_err());
+        }
+    }
 }

@@ -4,6 +4,7 @@ mod factor;
 mod fresnel;
 mod microfacet;
 mod phong;
+mod svd;
 mod table;
 
 pub use factor::{BrdfFactors, FactorOptions, factor_brdf};

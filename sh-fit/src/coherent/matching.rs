@@ -140,3 +140,99 @@ impl Lobe {
         }
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use proptest::prelude::*;
+    use sh_core::Order;
+
+    use super::*;
+
+    /// Lobes that change slowly over a grid of points.
+    fn smooth(width: usize, height: usize, lobe_count: usize) -> LobeSet {
+        let mut set = LobeSet::zeros(Order::new(4).unwrap(), 2, lobe_count, 1, width * height);
+        for point in 0..width * height {
+            let (x, y) = ((point % width) as f64 / 20.0, (point / width) as f64 / 20.0);
+            for lobe in 0..lobe_count {
+                let angle = 2.0 * lobe as f64 + x;
+                set.axes[point * lobe_count + lobe] =
+                    [angle.cos() * y.cos(), angle.sin() * y.cos(), y.sin()].map(|x| x as f32);
+                for (channel, l) in (0..2).flat_map(|channel| (1..4).map(move |l| (channel, l))) {
+                    let g = (1.0 + x) / (1 + l + lobe + channel) as f64;
+                    set.coeffs[((point * 2 + channel) * lobe_count + lobe) * 4 + l] = g as f32;
+                }
+            }
+        }
+        set
+    }
+
+    /// Puts lobe `j` in the place `j + shift` and turns some of them round.
+    fn disturb(set: &mut LobeSet, point: usize, shift: usize, turned: usize) {
+        let lobes: Vec<Lobe> = (0..set.lobe_count).map(|lobe| Lobe::of(set, point, lobe)).collect();
+        for (j, lobe) in lobes.iter().enumerate() {
+            lobe.store(set, point, (j + shift) % set.lobe_count, (turned >> j) & 1 == 1);
+        }
+    }
+
+    fn reconstructed(set: &LobeSet) -> Vec<f32> {
+        let mut out = vec![0.0; set.point_count() * 2 * 16];
+        for (i, out) in out.chunks_exact_mut(16).enumerate() {
+            set.reconstruct(i / 2, i % 2, out);
+        }
+        out
+    }
+
+    fn roughness(set: &LobeSet, neighbours: &Neighbours) -> f64 {
+        let to = |v: usize, w: u32| -> f64 {
+            (0..set.lobe_count).map(|j| Lobe::of(set, v, j).distances(&Lobe::of(set, w as usize, j))[0]).sum()
+        };
+        (0..set.point_count()).map(|v| neighbours.of(v).iter().map(|&w| to(v, w)).sum::<f64>()).sum()
+    }
+
+    proptest! {
+        /// Whatever was exchanged and turned round is put right, and the function is left as it is.
+        #[test]
+        fn order_and_sides_are_found_again(changes in prop::collection::vec((0_usize..3, 0_usize..8), 30)) {
+            let neighbours = Neighbours::grid(6, 5, false);
+            let original = smooth(6, 5, 3);
+            let mut set = original.clone();
+            changes.iter().enumerate().for_each(|(v, &(shift, turned))| disturb(&mut set, v, shift, turned));
+            let before = reconstructed(&set);
+            match_lobes(&mut set, &neighbours).unwrap();
+            let (found, expected) = (roughness(&set, &neighbours), roughness(&original, &neighbours));
+            prop_assert!((found - expected).abs() < 1e-9 * expected, "{found} {expected}");
+            for (a, b) in before.iter().zip(reconstructed(&set)) {
+                prop_assert!((a - b).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn parts_without_connection_are_matched_on_their_own() {
+        // Two triangles and a lonely vertex.
+        let neighbours = Neighbours::from_triangles(7, &[[0, 1, 2], [3, 4, 5]]).unwrap();
+        let mut set = smooth(7, 1, 2);
+        let original = set.clone();
+        disturb(&mut set, 1, 1, 2);
+        disturb(&mut set, 4, 1, 0);
+        disturb(&mut set, 5, 0, 3);
+        disturb(&mut set, 6, 1, 1);
+        let lonely = set.axes_of(6).to_vec();
+        assert_eq!(match_lobes(&mut set, &neighbours).unwrap(), 3);
+        assert_eq!(set.axes[..12], original.axes[..12]);
+        assert_eq!(set.axes_of(6), lonely);
+    }
+
+    #[test]
+    fn what_corresponds_stays() {
+        let mut set = smooth(5, 5, 4);
+        let before = set.clone();
+        assert_eq!(match_lobes(&mut set, &Neighbours::grid(5, 5, false)).unwrap(), 0);
+        assert_eq!(set, before);
+        assert!(match_lobes(&mut set, &Neighbours::grid(5, 4, false)).is_err());
+        // Zero lobes are all alike.
+        let mut zero = LobeSet::zeros(Order::new(3).unwrap(), 1, 3, 4, 25);
+        assert_eq!(match_lobes(&mut zero, &Neighbours::grid(5, 5, false)).unwrap(), 0);
+    }
+}

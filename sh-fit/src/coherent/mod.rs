@@ -55,7 +55,7 @@ impl CoherentOptions {
 
 impl Default for CoherentOptions {
     fn default() -> Self {
-        Self { smoothness: 1e-3, between: 1.0, stages: 3, max_iterations: 100, tolerance: 1e-3, threads: None }
+        Self { smoothness: 1e-2, between: 1.0, stages: 3, max_iterations: 100, tolerance: 1e-3, threads: None }
     }
 }
 
@@ -191,4 +191,158 @@ fn edges(neighbours: &Neighbours) -> Vec<Edge> {
     let from = |v: u32| neighbours.of(v as usize).iter().filter(move |&&w| v < w).map(move |&w| [v, w]);
     let ends = (0..neighbours.point_count() as u32).flat_map(from);
     ends.map(|ends| Edge { ends, weight: 0.5 * (part(ends[0]) + part(ends[1])) }).collect()
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use sh_core::Order;
+
+    use super::*;
+    use crate::blend::unit_or_z;
+    use crate::{FitOptions, fit_lobes_many};
+
+    const SIZE: usize = 7;
+
+    /// The lobes of a bumpy patch: a cosine lobe about a turning axis, and two sharper ones.
+    fn truth(n: usize) -> LobeSet {
+        let order = Order::new(n).unwrap();
+        let mut set = LobeSet::zeros(order, 1, 3, 1, SIZE * SIZE);
+        for point in 0..SIZE * SIZE {
+            let (x, y) = ((point % SIZE) as f64 * 0.15 - 0.4, (point / SIZE) as f64 * 0.1 - 0.3);
+            let lobes = [([x, y, 1.0], 0.4, 1.0), ([1.0, x, y], 0.7, 0.4 + x), ([y, 1.0, -x], 0.6, y - 0.5)];
+            for (lobe, (axis, falloff, size)) in lobes.into_iter().enumerate() {
+                set.axes[3 * point + lobe] = unit_or_z(axis).0.map(|x| x as f32);
+                let coeffs = &mut set.coeffs[(3 * point + lobe) * n..][1..n];
+                coeffs.iter_mut().zip(1..).for_each(|(g, l)| *g = (size * f64::powi(falloff, l)) as f32);
+            }
+            set.explicit[point] = 1.0;
+        }
+        set
+    }
+
+    fn targets(n: usize) -> Vec<f32> {
+        let mut out = vec![0.0; SIZE * SIZE * n * n];
+        out.chunks_exact_mut(n * n).enumerate().for_each(|(point, out)| truth(n).reconstruct(point, 0, out));
+        out
+    }
+
+    fn triangles() -> Vec<[u32; 3]> {
+        let quad = |i: usize| {
+            let v = (i / (SIZE - 1) * SIZE + i % (SIZE - 1)) as u32;
+            [[v, v + 1, v + SIZE as u32], [v + 1, v + SIZE as u32 + 1, v + SIZE as u32]]
+        };
+        (0..(SIZE - 1) * (SIZE - 1)).flat_map(quad).collect()
+    }
+
+    fn fitted(n: usize, lobe_count: usize, targets: &[f32]) -> (LobeSet, Neighbours) {
+        let neighbours = Neighbours::from_triangles(SIZE * SIZE, &triangles()).unwrap();
+        let options = FitOptions { lobe_count, threads: Some(1), ..FitOptions::default() };
+        (fit_lobes_many(Order::new(n).unwrap(), 1, targets, None, &options, &|_| ()).unwrap().0, neighbours)
+    }
+
+    /// The sum over edges and lobes of squared differences of coefficients.
+    fn roughness(set: &LobeSet, neighbours: &Neighbours) -> f64 {
+        let pairs = (0..set.point_count()).flat_map(|v| neighbours.of(v).iter().map(move |&w| (v, w as usize)));
+        pairs
+            .map(|(v, w)| {
+                let coeffs = set.coeffs_of(v, 0).iter().zip(set.coeffs_of(w, 0));
+                coeffs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>()
+            })
+            .sum()
+    }
+
+    #[test]
+    fn interpolated_lobes_get_better() {
+        let targets = targets(5);
+        let (set, neighbours) = fitted(5, 2, &targets);
+        let before = interpolation_error(&set, &targets, &triangles()).unwrap();
+        let mut coherent = set.clone();
+        let report = make_coherent(&mut coherent, &targets, &neighbours, &CoherentOptions::default()).unwrap();
+        let after = interpolation_error(&coherent, &targets, &triangles()).unwrap();
+        assert!(after.at_faces < 0.7 * before.at_faces, "{before:?} {after:?} {report:?}");
+        assert!(after.at_vertices < 1.3 * before.at_vertices + 1e-3, "{before:?} {after:?}");
+        assert!((report.error_after - after.at_vertices).abs() < 1e-12 && report.not_finite.is_empty());
+        assert_eq!(coherent.explicit, set.explicit);
+    }
+
+    /// From the lobes that the transfer was made of, so that all are in the same valley.
+    #[test]
+    fn smoothness_is_bought_with_error() {
+        let targets = targets(5);
+        let neighbours = Neighbours::from_triangles(SIZE * SIZE, &triangles()).unwrap();
+        let mut last = (f64::INFINITY, 0.0);
+        for smoothness in [1e-3, 1e-1, 1e1] {
+            let mut set = truth(5);
+            let options = CoherentOptions {
+                smoothness,
+                between: 0.0,
+                stages: 1,
+                max_iterations: 1000,
+                tolerance: 1e-6,
+                threads: None,
+            };
+            let report = make_coherent(&mut set, &targets, &neighbours, &options).unwrap();
+            let now = (roughness(&set, &neighbours), report.error_after);
+            assert!(now.0 < last.0 && now.1 > last.1, "{now:?} {last:?}");
+            last = now;
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_bytes() {
+        let targets = targets(4);
+        let (set, neighbours) = fitted(4, 2, &targets);
+        let run = |threads| {
+            let mut set = set.clone();
+            make_coherent(&mut set, &targets, &neighbours, &CoherentOptions { threads, ..Default::default() }).unwrap();
+            set
+        };
+        assert_eq!(run(Some(1)), run(None));
+        #[cfg(feature = "parallel")]
+        assert_eq!(run(Some(1)), run(Some(3)));
+    }
+
+    #[test]
+    fn transfer_that_is_not_finite_is_named_and_bridged() {
+        let mut targets = targets(4);
+        let (mut set, neighbours) = fitted(4, 2, &targets);
+        targets[16 * 10 + 3] = f32::NAN;
+        let report = make_coherent(&mut set, &targets, &neighbours, &CoherentOptions::default()).unwrap();
+        assert_eq!(report.not_finite, [10]);
+        assert!(set.coeffs.iter().all(|g| g.is_finite()) && report.error_after < 0.5, "{report:?}");
+        assert!(interpolation_error(&set, &targets, &triangles()).unwrap().at_faces.is_finite());
+    }
+
+    #[test]
+    fn the_smallest_of_everything() {
+        for n in [1, 2, 10] {
+            let order = Order::new(n).unwrap();
+            let targets: Vec<f32> = (0..n * n).map(|i| 1.0 / (1 + i) as f32).collect();
+            for lobe_count in [1, 3] {
+                let options = FitOptions { lobe_count, ..FitOptions::default() };
+                let (mut set, _) = fit_lobes_many(order, 1, &targets, None, &options, &|_| ()).unwrap();
+                let alone = Neighbours::from_triangles(1, &[]).unwrap();
+                let report = make_coherent(&mut set, &targets, &alone, &CoherentOptions::default()).unwrap();
+                assert!(report.error_after <= report.error_before + 1e-6 && report.matched == 0, "{n} {report:?}");
+            }
+        }
+        let mut none = LobeSet::zeros(Order::new(3).unwrap(), 1, 2, 1, 0);
+        let neighbours = Neighbours::from_triangles(0, &[]).unwrap();
+        let report = make_coherent(&mut none, &[], &neighbours, &CoherentOptions::default()).unwrap();
+        assert_eq!((report.error_after, report.iterations), (0.0, 0));
+        assert!(interpolation_error(&none, &[], &[[0, 0, 0]]).is_err());
+    }
+
+    #[test]
+    fn options_out_of_range_are_named() {
+        let default = CoherentOptions::default();
+        let refused = |options: CoherentOptions| options.validate().unwrap_err().to_string();
+        assert!(refused(CoherentOptions { smoothness: f64::NAN, ..default.clone() }).starts_with("smoothness is NaN"));
+        assert!(
+            refused(CoherentOptions { between: -1.0, ..default.clone() }).starts_with("weight between vertices is -1")
+        );
+        assert!(refused(CoherentOptions { stages: 0, ..default.clone() }).starts_with("number of stages is 0"));
+        assert!(refused(CoherentOptions { tolerance: 1.0, ..default }).starts_with("tolerance is 1"));
+    }
 }
