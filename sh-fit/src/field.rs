@@ -227,9 +227,8 @@ impl<'a> Field<'a> {
                 gradient[q * stride + index] -= 2.0 * weight * difference;
             };
             for (lobe, energy) in energies.iter().enumerate() {
-                for k in 0..3 {
-                    add(link.weight * energy, units[p * lobes + lobe][k] - units[q * lobes + lobe][k], 3 * lobe + k);
-                }
+                let axes = units[p * lobes + lobe].iter().zip(units[q * lobes + lobe]).enumerate();
+                axes.for_each(|(k, (a, b))| add(link.weight * energy, a - b, 3 * lobe + k));
             }
             for index in 3 * lobes..stride {
                 let l = self.first + (index - 3 * lobes) % self.bands();

@@ -3,9 +3,12 @@
 mod error_against_order;
 mod error_against_rays;
 mod exponential;
+mod ldprt_coherence;
 mod ldprt_fig2;
 mod ldprt_fig3;
+mod ldprt_glossy;
 mod ldprt_trade;
+mod ldprt_wrinkle;
 mod numbers;
 mod peers;
 mod rotation_trade;
@@ -52,6 +55,21 @@ pub const RUNS: &[Run] = &[
         name: "sh/exponential",
         what: "error and time of the exponential of expansions, by method and order, for sets of blockers",
         run: exponential::run,
+    },
+    Run {
+        name: "ldprt/fig4",
+        what: "glossy transfer: error of the factored BRDF by rows, and of lobes by their number [MESH]",
+        run: ldprt_glossy::run,
+    },
+    Run {
+        name: "ldprt/wrinkle",
+        what: "the wrinkle model: error of the 32×32 map of three lobes, fitted together and apart",
+        run: ldprt_wrinkle::run,
+    },
+    Run {
+        name: "ldprt/coherence",
+        what: "error of lobes at vertices and at face centres, before and after they are made coherent [MESH]",
+        run: ldprt_coherence::run,
     },
     Run {
         name: "kkp/trade",
