@@ -34,7 +34,17 @@
 //! surface the axes of the neighbours are tried afterwards. A small penalty keeps lobes from cancelling with huge coefficients.
 //!
 //! Lobes of one point are ordered by their energy, and their axes lie on the side of the linear band. Those of two points do not
-//! correspond: interpolate what they make of the light and not the lobes.
+//! correspond: interpolate what they make of the light and not the lobes, or make them correspond with [`make_coherent`].
+//!
+//! # What else is here
+//!
+//! | to | with |
+//! |---|---|
+//! | interpolate lobes on a mesh | [`make_coherent`], [`match_lobes`], [`interpolate`], [`interpolation_error`] |
+//! | fit lobes that are bilinear over a texture or over parameters | [`Grid`], [`fit_grid`] |
+//! | shade glossy surfaces | [`Brdf`], [`factor_brdf`]; views by [`square_to_hemisphere`] |
+//! | shade leaves and wings without a simulation | [`membrane_lobe`], [`membrane_lobes`] |
+//! | shade wrinkles by place and depth | [`WrinkleModel`]; the simulation is [`groove_transfer`] |
 //!
 //! # Features
 //!

@@ -98,6 +98,9 @@ impl WrinkleModel {
     /// The start has the optimal linear lobe at each node and one to each side of it in the cross-section, at the angle that fits
     /// best there; then all nodes are fitted together with [`fit_grid`], to samples that are denser than the nodes.
     ///
+    /// Accuracy of the default, order 6 and depths up to one width: 0.046 relative L2, at fitted samples and between them, where
+    /// nodes that are fitted each for itself have 0.029 at nodes and 0.37 between them (`repro -- ldprt/wrinkle`). Seconds.
+    ///
     /// # Errors
     /// [`Error::Parameter`] names the first option that cannot be used.
     ///

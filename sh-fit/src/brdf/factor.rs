@@ -127,6 +127,11 @@ impl BrdfFactors {
 ///
 /// More rows than `B` has are zero.
 ///
+/// Cook-Torrance of roughness 0.3 without Fresnel, n = 4, three rows: error 0.65 over all views and 0.49 within 60° of the normal,
+/// and lobes fitted to the rows, N = 3, add 0.004 (`repro -- ldprt/fig4`). The paper's figure 4 says 0.33 and 0.0074, of its own
+/// scene; a lobe of that width keeps most of the 16 singular values apart from 0, so few rows are a strong simplification, and
+/// six leave 0.34.
+///
 /// # Errors
 /// [`Error::Parameter`] for `row_count` 0 or options out of their range; [`Error::Reflectance`] if the reflectance is not
 /// finite somewhere.
@@ -331,6 +336,16 @@ mod tests {
                 factors.view(view, &mut u);
                 assert!(u.iter().all(|u| u.is_finite()));
             }
+        }
+    }
+
+    /// The BRDF of the paper's figure 4. Its 0.33 for three rows is of a rendered scene; these are of all views and lights.
+    #[test]
+    fn figure_4() {
+        let brdf = CookTorrance::new(0.3, Fresnel::One).unwrap();
+        let factors = factor_brdf(&brdf, order(4), 3, &FactorOptions::default()).unwrap();
+        for (rows, expected) in [(1, 0.873), (3, 0.648), (6, 0.342), (12, 0.024)] {
+            assert!((factors.error(rows) - expected).abs() < 2e-3, "{rows} {}", factors.error(rows));
         }
     }
 
