@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 
 use super::assignment::assign;
-use crate::field::axis_energy;
 use crate::problem::lobe_norm;
 use crate::{Error, LobeSet, Neighbours};
 
@@ -95,6 +94,17 @@ fn match_vertex(set: &mut LobeSet, v: usize, others: &[u32]) -> bool {
     true
 }
 
+/// Legendre polynomials `P_0, P_1, …` by Bonnet's recurrence.
+fn legendre(x: f64) -> impl Iterator<Item = f64> {
+    let (mut l, mut here, mut next) = (0.0, 1.0, x);
+    std::iter::repeat_with(move || {
+        l += 1.0;
+        let current = here;
+        (here, next) = (next, ((2.0 * l + 1.0) * x * next - l * here) / (l + 1.0));
+        current
+    })
+}
+
 /// A lobe of a vertex, for all channels.
 #[derive(Debug)]
 struct Lobe {
@@ -102,7 +112,6 @@ struct Lobe {
     /// `[C, n]`
     coeffs: Vec<f64>,
     bands: usize,
-    energy: f64,
 }
 
 impl Lobe {
@@ -110,21 +119,27 @@ impl Lobe {
         let n = set.order.get();
         let channel = |channel| set.coeffs_of(point, channel)[lobe * n..][..n].iter().map(|&g| f64::from(g));
         let coeffs: Vec<f64> = (0..set.channels).flat_map(channel).collect();
-        let energy = coeffs.chunks_exact(n).map(|lobe| axis_energy(lobe.iter().copied())).sum();
-        Self { axis: set.axes_of(point)[lobe].map(f64::from), coeffs, bands: n, energy }
+        Self { axis: set.axes_of(point)[lobe].map(f64::from), coeffs, bands: n }
     }
 
-    /// Squared distances in axis and coefficients, as it is and from the other side. As in the penalty of a fit.
+    /// What interpolation half way to another lobe costs, as it is and from the other side: the squared L2 distance of the lobe
+    /// with the mean axis and mean coefficients from the mean of both functions.
+    ///
+    /// With lobes `g` about `a`, `h` about `b` and their mean `m`, whose products are `Σ (2l+1)/(4π) g*_l h*_l P_l(a·b)`:
+    /// `|m|² + ¼ |g + h|² − m·(g + h)`.
     fn distances(&self, other: &Self) -> [f64; 2] {
-        let energy = 0.5 * (self.energy + other.energy);
+        let cosine: f64 = self.axis.iter().zip(other.axis).map(|(a, b)| a * b).sum();
         [1.0, -1.0].map(|side| {
-            let axes = self.axis.iter().zip(other.axis).map(|(a, b)| (a - side * b).powi(2)).sum::<f64>();
-            let coeffs = self.coeffs.iter().zip(&other.coeffs).enumerate().map(|(i, (g, h))| {
+            let whole: Vec<f64> = legendre(side * cosine).take(self.bands).collect();
+            let half: Vec<f64> = legendre((0.5 * (1.0 + side * cosine)).max(0.0).sqrt()).take(self.bands).collect();
+            let terms = self.coeffs.iter().zip(&other.coeffs).enumerate().map(|(i, (&g, &h))| {
                 let l = i % self.bands;
-                let sign = if l % 2 == 1 { side } else { 1.0 };
-                lobe_norm(l) * (g - sign * h).powi(2)
+                let h = if l % 2 == 1 { side * h } else { h };
+                let mean = 0.5 * (g + h);
+                lobe_norm(l)
+                    * (mean * mean + 0.25 * (g * g + h * h + 2.0 * g * h * whole[l]) - 2.0 * mean * mean * half[l])
             });
-            energy * axes + coeffs.sum::<f64>()
+            terms.sum::<f64>().max(0.0)
         })
     }
 
