@@ -128,9 +128,9 @@ impl BrdfFactors {
 /// More rows than `B` has are zero.
 ///
 /// Cook-Torrance of roughness 0.3 without Fresnel, n = 4, three rows: error 0.65 over all views and 0.49 within 60° of the normal,
-/// and lobes fitted to the rows, N = 3, add 0.004 (`repro -- ldprt/fig4`). The paper's figure 4 says 0.33 and 0.0074, of its own
-/// scene; a lobe of that width keeps most of the 16 singular values apart from 0, so few rows are a strong simplification, and
-/// six leave 0.34.
+/// and lobes fitted to the rows, N = 3, add 0.004 (`repro -- ldprt/fig4`). The paper's figure 4 says
+/// 0.33 and 0.0074; it does not say over which views and lights, nor which Fresnel term, so the first is not reproduced. Most of
+/// the 16 singular values of a lobe of that width matter: six rows leave 0.34.
 ///
 /// # Errors
 /// [`Error::Parameter`] for `row_count` 0 or options out of their range; [`Error::Reflectance`] if the reflectance is not
@@ -339,7 +339,8 @@ mod tests {
         }
     }
 
-    /// The BRDF of the paper's figure 4. Its 0.33 for three rows is of a rendered scene; these are of all views and lights.
+    /// The BRDF of the paper's figure 4, over all views and lights; recorded, since the paper's 0.33 for three rows is of a measure
+    /// that it does not tell.
     #[test]
     fn figure_4() {
         let brdf = CookTorrance::new(0.3, Fresnel::One).unwrap();

@@ -93,7 +93,9 @@ pub struct CoherentReport {
 ///
 /// - `targets`: `[V, C, n²]`
 ///
-/// The same bytes for any number of threads. On a closed mesh it takes seconds for ten thousand vertices.
+/// The same bytes for any number of threads. On max_planck (5,384 vertices, n = 6, N = 4) the relative error at the centres of
+/// faces falls from 0.164 to 0.115 by matching and to 0.027 by the default options, and that at the vertices rises from 0.0054 to
+/// 0.020, in 13 s on two busy cores (`repro -- ldprt/coherence`, which draws the trade).
 ///
 /// # Errors
 /// [`Error::Parameter`] and [`Error::Option`] for options that cannot be used, [`Error::Neighbours`] if `neighbours` has another number of points.
