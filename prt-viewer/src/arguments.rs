@@ -153,9 +153,9 @@ pub(crate) fn relief(text: &str) -> Result<f32, String> {
 /// Scattering or absorption: one coefficient, or three.
 pub(crate) fn coefficients(text: &str) -> Result<[f32; 3], String> {
     let parts: Result<Vec<f32>, _> = text.split(',').map(|part| ranged(part.trim(), 0.0, Medium::MAX_SIGMA)).collect();
-    match parts?.as_slice() {
-        &[all] => Ok([all; 3]),
-        &[red, green, blue] => Ok([red, green, blue]),
+    match *parts?.as_slice() {
+        [all] => Ok([all; 3]),
+        [red, green, blue] => Ok([red, green, blue]),
         _ => Err("one coefficient, or three with commas between them, are needed".to_owned()),
     }
 }

@@ -270,6 +270,6 @@ mod tests {
     fn fingers_are_darker_than_the_skin_between_them() {
         let bat = Bat::new().unwrap();
         assert!(bat.alphas.iter().all(|alpha| (0.0..=MEMBRANE as f32).contains(alpha)));
-        assert!(bat.alphas.iter().any(|&alpha| alpha == MEMBRANE as f32) && bat.alphas.contains(&0.0));
+        assert!(bat.alphas.contains(&(MEMBRANE as f32)) && bat.alphas.contains(&0.0));
     }
 }
