@@ -1,6 +1,7 @@
 //! From baked transfer and light to a frame, on the GPU or on the CPU.
 
 use std::borrow::Cow;
+use std::sync::OnceLock;
 
 use anyhow::bail;
 use prt_bake::{BakedSurface, Geometry, TransferVectors, ZonalTransfer};
@@ -163,12 +164,21 @@ fn on_cpu(drawing: &Drawing<'_>, shot: &Shot<'_>) -> Result<Frame, prt_gpu::Erro
 }
 
 fn on_gpu(drawing: &Drawing<'_>, shot: &Shot<'_>) -> Result<Shaded, prt_gpu::Error> {
-    let gpu = Gpu::headless()?;
+    let gpu = gpu()?;
     let mut renderer = Renderer::new(&gpu, drawing)?;
     renderer.set_evaluation(shot.evaluation)?;
     renderer.set_light(shot.light, shot.order)?;
     let frame = renderer.render(shot.view, shot.eye)?;
     Ok(Shaded { frame, backend: "gpu", adapter: Some(gpu.adapter_name()) })
+}
+
+/// The adapter, opened once for all pictures.
+fn gpu() -> Result<Gpu, prt_gpu::Error> {
+    static OPENED: OnceLock<Gpu> = OnceLock::new();
+    match OPENED.get() {
+        Some(gpu) => Ok(gpu.clone()),
+        None => Gpu::headless().map(|gpu| OPENED.get_or_init(|| gpu).clone()),
+    }
 }
 
 /// Accounts of adapters are long; the first line says what matters.
