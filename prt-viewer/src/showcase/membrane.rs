@@ -15,7 +15,7 @@ const OFFSET: f64 = 1e-4;
 /// # Errors
 /// If the mesh cannot be traced.
 ///
-/// Source: [SLS05] eq. 22.
+/// Source: \[SLS05\] eq. 22.
 pub(crate) fn trace(
     order: Order,
     source: &MeshSource,

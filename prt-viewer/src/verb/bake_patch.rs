@@ -78,7 +78,7 @@ pub(crate) enum Pattern {
 impl Pattern {
     /// Height of the highest point that shows the pattern well, in units of the tile's width.
     const HEIGHT: f32 = 0.15;
-    /// Texels on a side, as in [SLS05] figure 7.
+    /// Texels on a side, as in \[SLS05\] figure 7.
     pub(crate) const SIZE: usize = 64;
 
     pub(crate) fn field(self, size: usize, height: Option<f32>) -> Result<HeightField, prt_bake::Error> {
