@@ -45,7 +45,7 @@ pub use diffuse::{BakeReport, bake_diffuse};
 pub use environment::Environment;
 pub use error::Error;
 pub use file::{
-    BakedFile, BakedSurface, FileInfo, Metadata, Source, TensorInfo, ZonalSurface, ZonalTexture, file_info,
+    BakedFile, BakedSurface, FileInfo, Material, Metadata, Source, TensorInfo, ZonalSurface, ZonalTexture, file_info,
 };
 pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};

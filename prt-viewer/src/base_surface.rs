@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use prt_bake::MeshSource;
 
-/// A parametric surface over the unit square; u runs around, v upwards.
+/// A parametric surface over the unit square; u runs around, v upwards. Texture coordinates run down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum BaseSurface {
     /// A flat square of side 2, facing +z.
@@ -17,8 +17,18 @@ pub(crate) enum BaseSurface {
 }
 
 impl BaseSurface {
-    /// Columns and rows of a grid that shows the surface smooth.
-    pub(crate) const SMOOTH: [usize; 2] = [160, 96];
+    /// Columns and rows of a grid that shows the surface smooth and has a vertex for each texel of a texture, as far as it stays of moderate
+    /// size.
+    pub(crate) fn cells(repeat: [usize; 2], texels: [usize; 2]) -> [usize; 2] {
+        const SMOOTH: [usize; 2] = [160, 96];
+        /// A quarter of a million vertices.
+        const MOST: [usize; 2] = [640, 400];
+        std::array::from_fn(|axis| {
+            let tiles = repeat[axis].max(1);
+            let per_tile = (MOST[axis] / tiles).clamp(1, texels[axis].max(1));
+            (tiles * per_tile).max(SMOOTH[axis])
+        })
+    }
 
     /// Tiles along u and v that are about square, for about `count` of them around.
     pub(crate) fn repeat(self, count: usize) -> [usize; 2] {
@@ -63,12 +73,14 @@ impl BaseSurface {
     /// The surface as a grid of `columns` × `rows` cells, with texture coordinates 0 to 1 and exact normals.
     pub(crate) fn grid(self, [columns, rows]: [usize; 2]) -> MeshSource {
         let mut source = self.relief([columns, rows], [1, 1], |_| 0.0);
-        let uv = |uv: &[f32; 2]| uv.map(f64::from);
+        let uv = |place: &[f32; 2]| [f64::from(place[0]), 1.0 - f64::from(place[1])];
         source.normals = source.uvs.iter().map(|place| self.normal(uv(place)).as_vec3().to_array()).collect();
         source
     }
 
     /// The surface with the relief of a texture raised along its normals, as a grid without normals.
+    ///
+    /// Texture coordinates run down as in glTF, so that an image stands upright: v is 0 at the upper edge.
     ///
     /// - `repeat`: tiles along u and v
     /// - `height`: of a place in tiles, in units of the width that a tile has there
@@ -84,10 +96,11 @@ impl BaseSurface {
                 let uv = [column as f64 / columns as f64, row as f64 / rows as f64];
                 let [along_u, along_v] = self.tangents(uv);
                 let tile_width = along_u.length() / repeat[0] as f64;
-                let raised = tile_width * height([uv[0] * repeat[0] as f64, uv[1] * repeat[1] as f64]);
+                let place = [uv[0], 1.0 - uv[1]];
+                let raised = tile_width * height([place[0] * repeat[0] as f64, place[1] * repeat[1] as f64]);
                 let point = self.point(uv) + raised * along_u.cross(along_v).normalize();
                 source.positions.push(point.to_array());
-                source.uvs.push(uv.map(|x| x as f32));
+                source.uvs.push(place.map(|x| x as f32));
             }
         }
         if self.is_round() {
@@ -156,7 +169,7 @@ mod tests {
             for (i, (low, high)) in flat.positions.iter().zip(&raised.positions).enumerate() {
                 let along = DVec3::from_array(*high) - DVec3::from_array(*low);
                 let [u, v] = flat.uvs[i].map(f64::from);
-                let tile = surface.tangents([u, v])[0].length() / 4.0;
+                let tile = surface.tangents([u, 1.0 - v])[0].length() / 4.0;
                 let expected = 0.1 * tile * (TAU * 4.0 * u).cos();
                 let normal = glam::Vec3::from_array(flat.normals[i]).as_dvec3();
                 assert!((along - expected * normal).length() < 1e-6, "{surface:?}");

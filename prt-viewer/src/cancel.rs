@@ -25,6 +25,23 @@ pub(crate) fn stop_listening() {
     AT_WORK.store(false, Ordering::Relaxed);
 }
 
+/// While it lives, Ctrl-C ends the program at once.
+#[derive(Debug)]
+pub(crate) struct Interruptible(());
+
+impl Interruptible {
+    pub(crate) fn new() -> Self {
+        AT_WORK.store(false, Ordering::Relaxed);
+        Self(())
+    }
+}
+
+impl Drop for Interruptible {
+    fn drop(&mut self) {
+        AT_WORK.store(true, Ordering::Relaxed);
+    }
+}
+
 pub(crate) fn is_cancelled() -> bool {
     CANCELLED.load(Ordering::Relaxed)
 }

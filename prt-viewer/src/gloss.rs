@@ -41,12 +41,24 @@ impl Reflectance {
 pub(crate) struct Gloss(BrdfFactors);
 
 impl Gloss {
+    /// What the rows may leave of a reflectance where their number is not given, and the most rows then.
+    const ERROR: f64 = 0.2;
+    const MOST_ROWS: usize = 16;
+
     /// Factors a reflectance for light of an order.
+    ///
+    /// - `rows`: as many as [`Self::ERROR`] needs if `None`
     ///
     /// # Errors
     /// Those of the factoring.
-    pub(crate) fn new(reflectance: Reflectance, order: Order, rows: usize) -> Result<Self, sh_fit::Error> {
-        factor_brdf(reflectance.brdf(), order, rows, &FactorOptions::default()).map(Self)
+    pub(crate) fn new(reflectance: Reflectance, order: Order, rows: Option<usize>) -> Result<Self, sh_fit::Error> {
+        let factor = |rows| factor_brdf(reflectance.brdf(), order, rows, &FactorOptions::default());
+        let Some(rows) = rows else {
+            let all = factor(1)?;
+            let needed = (1..Self::MOST_ROWS).find(|&rows| all.error(rows) <= Self::ERROR);
+            return factor(needed.unwrap_or(Self::MOST_ROWS)).map(Self);
+        };
+        factor(rows).map(Self)
     }
 
     /// Relative error of the sum.

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use prt_anim::{Deformed, push_tangent_frames, tangent_frames};
 use prt_bake::{
-    BakeOptions, BakedFile, BakedSurface, Geometry, HeightField, Mesh, MeshOptions, MeshSource, Metadata, Progress,
-    TransferVectors, ZonalSurface, ZonalTexture, ZonalTransfer, bake_diffuse, load_mesh,
+    BakeOptions, BakedFile, BakedSurface, Geometry, HeightField, Material, Mesh, MeshOptions, MeshSource, Metadata,
+    Progress, TransferVectors, ZonalSurface, ZonalTexture, ZonalTransfer, bake_diffuse, load_mesh,
 };
 use sh_core::Order;
 
@@ -105,7 +105,14 @@ impl Textured {
 
     /// Lays a texture over a mesh with texture coordinates.
     fn on_mesh(texture: ZonalTexture, path: &Path, tiles: usize) -> anyhow::Result<Self> {
-        let source = load_mesh(path)?;
+        let mut source = load_mesh(path)?;
+        if !path
+            .extension()
+            .is_some_and(|extension| ["glb", "gltf"].iter().any(|gltf| extension.eq_ignore_ascii_case(gltf)))
+        {
+            // Only in glTF v runs down, as the rows of an image do.
+            source.uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+        }
         ensure!(!source.uvs.is_empty(), "cannot lay a texture over {}: it has no texture coordinates", path.display());
         let geometry = geometry_of(source, texture.albedo).with_context(|| format!("cannot use {}", path.display()))?;
         Self::new(texture, geometry, None, [0; 2], [tiles; 2])
@@ -159,7 +166,11 @@ impl Model {
             BakedFile::Vectors(surface) => Content::Vectors(surface),
             BakedFile::Zonal(surface) => Content::Lobes(surface),
             BakedFile::Texture(texture) => Content::Textured(Box::new(match on {
-                On::Base(base) => Textured::on_base(texture, *base, BaseSurface::SMOOTH, base.repeat(tiles))?,
+                On::Base(base) => {
+                    let repeat = base.repeat(tiles);
+                    let cells = BaseSurface::cells(repeat, [texture.width, texture.height]);
+                    Textured::on_base(texture, *base, cells, repeat)?
+                }
                 On::Mesh(mesh) => Textured::on_mesh(texture, mesh, tiles)?,
             })),
         };
@@ -200,7 +211,12 @@ impl Model {
             Content::Lobes(surface) => describe(&surface.transfer),
             Content::Textured(textured) => {
                 let ZonalTexture { width, height, transfer, .. } = &textured.texture;
-                format!("texture {width}x{height} of {}", describe(transfer))
+                let material = match textured.texture.material {
+                    Material::Diffuse => "",
+                    Material::Glossy => "glossy ",
+                    Material::Translucent => "translucent ",
+                };
+                format!("{material}texture {width}x{height} of {}", describe(transfer))
             }
         }
     }
@@ -220,7 +236,12 @@ impl Model {
                 };
                 [Part::Unshadowed, Part::Shadowed, Part::Full].into_iter().filter(is_there).collect()
             }
+            // A membrane casts no shadow on itself: its lobes are the unshadowed ones.
+            Content::Lobes(_) if self.membrane.is_some() => vec![Part::Traced, Part::Undeformed, Part::Full],
             Content::Lobes(_) => vec![Part::Traced, Part::Unshadowed, Part::Undeformed, Part::Full],
+            Content::Textured(textured) if textured.texture.material != Material::Diffuse => {
+                vec![Part::Undeformed, Part::Full]
+            }
             Content::Textured(textured) if textured.base.is_some() => {
                 vec![Part::Traced, Part::Unshadowed, Part::Undeformed, Part::Full]
             }
@@ -247,6 +268,9 @@ impl Model {
         rays: usize,
         progress: &dyn Progress,
     ) -> anyhow::Result<PartTransfer<'_>> {
+        if self.is_deformable() && !self.parts().contains(&part) {
+            bail!("{part} transfer of {} is not known", self.kind());
+        }
         if part == Part::Traced {
             return Ok(PartTransfer::Vectors(Cow::Owned(self.trace(motion, rays, progress)?)));
         }

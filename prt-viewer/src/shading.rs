@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use anyhow::bail;
 use prt_bake::{BakedSurface, Geometry, TransferVectors, ZonalTransfer};
-use prt_gpu::{Evaluation, Frame, Gpu, LobeSurface, LobeTexture, Surface, TexturedSurface, View, cpu};
+use prt_gpu::{Evaluation, Frame, Gpu, LobeSampling, LobeSurface, LobeTexture, Surface, TexturedSurface, View, cpu};
 use sh_core::Order;
 
 use crate::model::{Content, Model};
@@ -34,6 +34,13 @@ pub(crate) enum Part {
     Undeformed,
     /// Transfer traced anew in this pose: the truth, and slow.
     Traced,
+}
+
+impl std::fmt::Display for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let value = clap::ValueEnum::to_possible_value(self);
+        f.write_str(value.as_ref().map_or("", |value| value.get_name()))
+    }
 }
 
 impl Part {
@@ -103,12 +110,16 @@ impl<'a> Drawing<'a> {
             PartTransfer::Textured(transfer) => {
                 let Content::Textured(textured) = &model.content else { unreachable!("only textures have texels") };
                 let texture = &textured.texture;
+                let is_unshadowed = matches!(transfer, Cow::Owned(_));
+                // Unshadowed lobes are about the normals, which are smooth.
+                let is_coherent = texture.is_coherent || is_unshadowed;
                 let texture = LobeTexture::new(texture.width, texture.height, None, lobes::shaded(transfer)?)?
                     .with_normals(&texture.normals)?;
+                let sampling = if is_coherent { LobeSampling::Bilinear } else { LobeSampling::PointLobes };
                 let uvs = uvs.as_deref().unwrap_or_default();
                 let surface = TexturedSurface::new(positions, triangles, uvs, albedo, texture)?
                     .with_repeat(textured.repeat.map(|tiles| tiles as f32))?;
-                Ok(Self::Textured { surface, frames })
+                Ok(Self::Textured { surface: surface.with_sampling(sampling), frames })
             }
         }
     }

@@ -19,7 +19,7 @@ fn lobes_are_nearer_to_ray_tracing_than_undeformed_transfer_in_every_demo() {
         let Some((lobes, undeformed)) = error("lobes").zip(error("undeformed")) else { continue };
         traced += 1;
         assert!(lobes < undeformed, "{row}");
-        assert!(lobes < error("unshadowed").unwrap(), "shadows count: {row}");
+        assert!(error("unshadowed").is_none_or(|unshadowed| lobes < unshadowed), "shadows count: {row}");
     }
     assert_eq!((rows.len(), traced), (10, 8), "two of the vases cannot be traced");
     let sheet = pixels(&place.path("sheet.exr"));

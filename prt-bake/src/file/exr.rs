@@ -8,7 +8,7 @@ use exr::prelude::{
     Layer, LayerAttributes, LineOrder, Text, WritableImage,
 };
 
-use super::{TEXTURE_ZONAL, ZonalTexture, write};
+use super::{ZonalTexture, write};
 use crate::Error;
 use crate::atomic::write_atomically;
 
@@ -38,7 +38,7 @@ pub(super) fn write(texture: &ZonalTexture, path: &Path) -> Result<u64, Error> {
 /// The metadata as text, under names of our own: `channels` and others belong to the format.
 fn attributes(texture: &ZonalTexture) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
-    for (key, value) in write::zonal_metadata(&texture.metadata, TEXTURE_ZONAL, &texture.transfer) {
+    for (key, value) in write::texture_metadata(texture) {
         let name = Text::new_or_panic(format!("prt.{key}"));
         attributes.other.insert(name, AttributeValue::Text(Text::new_or_panic(value)));
     }

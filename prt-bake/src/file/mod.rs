@@ -15,7 +15,7 @@ use crate::Error;
 use crate::input::read_file;
 
 pub use surface::BakedSurface;
-pub use zonal::{ZonalSurface, ZonalTexture};
+pub use zonal::{Material, ZonalSurface, ZonalTexture};
 
 /// The version of the format that is written, and the newest that is read.
 const FORMAT: &str = "prt/1";

@@ -7,7 +7,7 @@ use safetensors::{Dtype, SafeTensors};
 use sh_core::Order;
 
 use super::{
-    BakedFile, BakedSurface, CONVENTION, FORMAT, FileInfo, Metadata, Source, TEXTURE_ZONAL, TensorInfo,
+    BakedFile, BakedSurface, CONVENTION, FORMAT, FileInfo, Material, Metadata, Source, TEXTURE_ZONAL, TensorInfo,
     VERTEX_TRANSFER, ZONAL, ZonalSurface, ZonalTexture, write,
 };
 use crate::{BakeOptions, Geometry, TransferVectors, ViewMap, ZonalTransfer};
@@ -69,6 +69,8 @@ fn zonal_texture(map: &BTreeMap<String, String>, file: &Tensors) -> Result<Zonal
         heights: file.floats("height", &[None, None])?,
         normals: normals.as_chunks().0.to_vec(),
         albedo: std::array::from_fn(|channel| albedo[channel]),
+        material: material(map)?,
+        is_coherent: number(map, "coherent")?,
         transfer: file.lobes(map, &[height, width])?,
     })
 }
@@ -141,9 +143,23 @@ fn metadata(map: &BTreeMap<String, String>) -> Result<Metadata, Reason> {
         seed: number(map, "seed")?,
         shadowed: number(map, "shadowed")?,
         source: map.get("source").and_then(|text| source(text)),
-        error: map.contains_key("error").then(|| number(map, "error")).transpose()?,
-        fit_error: map.contains_key("fit_error").then(|| number(map, "fit_error")).transpose()?,
+        error: error(map, "error")?,
+        fit_error: error(map, "fit_error")?,
     })
+}
+
+fn material(map: &BTreeMap<String, String>) -> Result<Material, Reason> {
+    let name = entry(map, "material")?;
+    Material::of_name(name).ok_or_else(|| format!("its material is {name}; diffuse, glossy and translucent are read"))
+}
+
+/// An error of what is in the file.
+fn error(map: &BTreeMap<String, String>, key: &str) -> Result<Option<f64>, Reason> {
+    let error = map.contains_key(key).then(|| number(map, key)).transpose()?;
+    match error.filter(|error: &f64| !(0.0..=f64::MAX).contains(error)) {
+        Some(error) => Err(format!("its metadata entry \"{key}\" is {error}; a number from 0 on is needed")),
+        None => Ok(error),
+    }
 }
 
 fn source(text: &str) -> Option<Source> {

@@ -102,6 +102,8 @@ fn wrong_files_are_refused_with_the_reason() {
         ("\"order\":\"2\"", "\"order\":\"0\"", "its order is 0"),
         ("\"order\":\"2\"", "\"order\":\"x\"", "not a valid value"),
         ("\"rays\":\"64\"", "\"ways\":\"64\"", "no entry \"rays\""),
+        ("\"error\":\"1.25e-3\"", "\"error\":\"-nan...\"", "\"error\""),
+        ("\"error\":\"1.25e-3\"", "\"error\":\"-1.5e-3\"", "a number from 0 on"),
         ("vertex-transfer", "vertex-sediment", "kind"),
         ("[2,3]", "[3,2]", "tensor index has shape [3, 2]; [any, 3]"),
         ("\"albedo\"", "\"albino\"", "tensor albedo is missing"),
@@ -167,6 +169,8 @@ fn zonal_texture(rows: usize, channels: usize) -> ZonalTexture {
         heights: vec![0.25; 6],
         normals: vec![[0.0, 0.0, 1.0]; 6],
         albedo: [0.8, 0.5, 0.25],
+        material: if rows > 1 { Material::Glossy } else { Material::Translucent },
+        is_coherent: rows == 1,
         transfer: lobes(6, rows, channels),
     }
 }

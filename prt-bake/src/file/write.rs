@@ -75,7 +75,7 @@ pub(super) fn zonal_texture(texture: &ZonalTexture, path: &Path) -> Result<u64, 
         Tensor { name: "height", shape: size.clone(), values: Values::F32(&texture.heights) },
         Tensor { name: "normal", shape: [size.as_slice(), &[3]].concat(), values: vectors },
     ]);
-    write(path, &zonal_metadata(&texture.metadata, TEXTURE_ZONAL, &texture.transfer), &tensors)
+    write(path, &texture_metadata(texture), &tensors)
 }
 
 /// Writes the file; returns its size.
@@ -155,8 +155,15 @@ fn metadata(metadata: &Metadata, kind: &str, order: Order) -> BTreeMap<&'static 
     map
 }
 
+/// Metadata of a texture.
+pub(super) fn texture_metadata(texture: &ZonalTexture) -> BTreeMap<&'static str, String> {
+    let mut map = zonal_metadata(&texture.metadata, TEXTURE_ZONAL, &texture.transfer);
+    map.extend([("material", texture.material.name().to_owned()), ("coherent", texture.is_coherent.to_string())]);
+    map
+}
+
 /// Metadata of a file with lobes. `rows` and `channels` tell dimensions of the same size apart.
-pub(super) fn zonal_metadata(from: &Metadata, kind: &str, transfer: &ZonalTransfer) -> BTreeMap<&'static str, String> {
+fn zonal_metadata(from: &Metadata, kind: &str, transfer: &ZonalTransfer) -> BTreeMap<&'static str, String> {
     let mut map = metadata(from, kind, transfer.order);
     map.extend([
         ("lobes", transfer.lobe_count.to_string()),

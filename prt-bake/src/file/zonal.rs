@@ -46,7 +46,7 @@ impl ZonalSurface {
 /// Zonal lobes of a texture that tiles, to be laid over any surface.
 ///
 /// In the file: `explicit`, `lobe_axis`, `lobe_coeff` as for [`ZonalSurface`] with `[H, W, …]` in place of `[V, …]`, `normal` `[H, W, 3]`,
-/// `height` `[H, W]` in units of the tile's width, and `albedo` `[3]`. The lobes are in tangent space: x along u (columns), y along v (rows), z out of
+/// `height` `[H, W]` in units of the tile's width, and `albedo` `[3]`; the metadata have `material` and `coherent` too. The lobes are in tangent space: x along u (columns), y along v (rows), z out of
 /// the surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZonalTexture {
@@ -62,8 +62,37 @@ pub struct ZonalTexture {
     pub normals: Vec<[f32; 3]>,
     /// Albedo that the transfer is to be shaded with: that of the relief, or 1 where the transfer includes scattering in the material.
     pub albedo: [f32; 3],
+    /// What the relief is made of.
+    pub material: Material,
+    /// Whether the lobes of neighbouring texels correspond, so that they can be interpolated.
+    pub is_coherent: bool,
     /// Lobes of each texel.
     pub transfer: ZonalTransfer,
+}
+
+/// What a relief is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Material {
+    /// Opaque and diffuse.
+    #[default]
+    Diffuse,
+    /// Opaque and glossy: the transfer has rows, and a map of the view that weighs them.
+    Glossy,
+    /// Light is scattered inside: the transfer includes what comes out.
+    Translucent,
+}
+
+impl Material {
+    const NAMES: [(Self, &str); 3] =
+        [(Self::Diffuse, "diffuse"), (Self::Glossy, "glossy"), (Self::Translucent, "translucent")];
+
+    pub(super) fn name(self) -> &'static str {
+        Self::NAMES.into_iter().find(|(material, _)| *material == self).map_or("diffuse", |(_, name)| name)
+    }
+
+    pub(super) fn of_name(name: &str) -> Option<Self> {
+        Self::NAMES.into_iter().find(|(_, own)| *own == name).map(|(material, _)| material)
+    }
 }
 
 impl ZonalTexture {

@@ -53,8 +53,6 @@ pub(crate) struct Exhibit {
     pub(crate) motion: Motion,
     /// Direction from the model to the camera.
     pub(crate) from: Vec3,
-    /// Whether ray tracing can tell the truth of it.
-    pub(crate) has_truth: bool,
 }
 
 /// How much work to put in.
@@ -99,7 +97,6 @@ fn patch(effort: Effort) -> anyhow::Result<Exhibit> {
         model: laid_over(texture, BaseSurface::Patch, 6, effort)?,
         motion: Motion { bend: -110.0, ..Motion::default() },
         from: vec3(0.35, 0.25, 1.0),
-        has_truth: true,
     })
 }
 
@@ -122,7 +119,6 @@ fn vases(effort: Effort) -> anyhow::Result<Vec<Exhibit>> {
             model: laid_over(texture(pattern, effort, arguments, bounces)?, BaseSurface::Vase, 8, effort)?,
             motion: Motion { bend: 50.0, twist: 110.0, ..Motion::default() },
             from: vec3(0.3, 0.25, 1.0),
-            has_truth: std::ptr::eq(arguments, &diffuse),
         })
     };
     textures.into_iter().map(exhibit).collect()
@@ -169,7 +165,6 @@ fn wrinkled_cylinder(effort: Effort) -> anyhow::Result<Exhibit> {
         model: Model { content: Content::Textured(Box::new(textured)), actor: None, membrane: None },
         motion: Motion { bend: 60.0, twist: 40.0, ..Motion::default() },
         from: vec3(0.4, 0.25, 1.0),
-        has_truth: true,
     })
 }
 
@@ -187,7 +182,6 @@ fn flapping_bat(effort: Effort) -> anyhow::Result<Exhibit> {
         },
         motion: Motion { clip: Some((0, 0.22)), ..Motion::default() },
         from: vec3(0.5, -0.25, 1.0),
-        has_truth: true,
     })
 }
 
@@ -205,7 +199,6 @@ fn bent_head(effort: Effort, mesh: Option<&Path>) -> anyhow::Result<Exhibit> {
         model: Model { content: Content::Lobes(surface), actor: None, membrane: None },
         motion: Motion { bend: 40.0, twist: 60.0, ..Motion::default() },
         from: vec3(0.25, 0.1, 1.0),
-        has_truth: true,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use prt_bake::{Metadata, ZonalTexture};
+use prt_bake::{Material, Metadata, ZonalTexture};
 use sh_core::Order;
 use sh_fit::{LobeSet, WrinkleModel, WrinkleOptions};
 
@@ -12,6 +12,8 @@ use crate::lobes;
 const DEPTH: f64 = 0.7;
 /// What the walls reflect.
 const ALBEDO: f64 = 0.8;
+/// Bounces of the truth.
+const BOUNCES: usize = 3;
 /// Texels across a wrinkle and along it.
 const SIZE: [usize; 2] = [32, 96];
 
@@ -50,9 +52,8 @@ pub(super) fn texture(order: Order) -> anyhow::Result<ZonalTexture> {
         heights,
         normals,
         albedo: [ALBEDO as f32; 3],
+        material: Material::Diffuse,
+        is_coherent: true,
         transfer: lobes::stored(set),
     })
 }
-
-/// Bounces of the truth.
-const BOUNCES: usize = 3;

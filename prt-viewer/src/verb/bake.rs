@@ -152,6 +152,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(origin) = Origin::of(&arguments.scene) {
         return bake_patch::run(&arguments.scene, &origin, &arguments.patch, &arguments.common());
     }
+    if arguments.patch.is_asked_for() {
+        return Err(output::usage(
+            "--height, --texels, --sigma-s and --brdf are for height fields; the scene is a mesh",
+        ));
+    }
     let mut laps = Laps::start();
     let output = arguments.output();
     output_file::check(&output)?;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use prt_bake::{
-    HeightField, Medium, Metadata, PatchOptions, PatchReport, PatchTransfer, Source, ZonalTexture, bake_patch,
+    HeightField, Image, Material, Medium, Metadata, PatchOptions, PatchReport, PatchTransfer, Source, ZonalTexture,
+    bake_patch,
 };
 use serde::Serialize;
 use sh_core::Order;
@@ -45,9 +46,9 @@ pub(crate) struct PatchArguments {
     /// Glossy reflection instead of diffuse: phong:EXPONENT, cook-torrance:ROUGHNESS or ggx:ROUGHNESS
     #[arg(long, value_name = "BRDF", value_parser = Reflectance::parse)]
     brdf: Option<Reflectance>,
-    /// Rows that the glossy reflection is factored into
-    #[arg(long, value_name = "COUNT", default_value = "3", value_parser = arguments::rows, requires = "brdf")]
-    rows: usize,
+    /// Rows that the glossy reflection is factored into [default: as many as leave at most 20 % of it, and at most 16]
+    #[arg(long, value_name = "COUNT", value_parser = arguments::rows, requires = "brdf")]
+    rows: Option<usize>,
     #[command(flatten)]
     fit: FitArguments,
 }
@@ -115,6 +116,9 @@ impl Origin {
         let size = arguments.texels.map(|size| [size.width as usize, size.height as usize]);
         match self {
             Self::Image(path) => {
+                if looks_like_normals(&Image::load(path)?) {
+                    output::note(format_args!("{} looks like a map of normals, not of heights", path.display()));
+                }
                 let height = arguments.height.unwrap_or(Pattern::HEIGHT);
                 Ok(HeightField::from_image(path, height, size.or(Some([Pattern::SIZE; 2])))?)
             }
@@ -132,6 +136,17 @@ impl Origin {
             Self::Pattern(_) => Ok(None),
         }
     }
+}
+
+/// Whether an image is mostly the light blue of normals that point out of a surface.
+fn looks_like_normals(image: &Image) -> bool {
+    let sum = image
+        .pixels
+        .iter()
+        .fold([0.0; 3], |sum: [f64; 3], pixel| std::array::from_fn(|channel| sum[channel] + f64::from(pixel[channel])));
+    let [red, green, blue] = sum.map(|sum| sum / image.pixels.len().max(1) as f64);
+    // Pixels are linear: half is 0.21, and normals of a rough surface still have 0.8 of blue, 0.6 here.
+    (0.12..0.35).contains(&red) && (0.12..0.35).contains(&green) && blue > 0.6
 }
 
 /// A texture that was baked and fitted, and how it went.
@@ -157,7 +172,7 @@ impl PatchArguments {
             ior: 1.3,
             thickness: None,
             brdf: None,
-            rows: 3,
+            rows: None,
             fit: FitArguments::lobes(lobes),
         }
     }
@@ -168,9 +183,14 @@ impl PatchArguments {
         Self { sigma_s: Some(sigma_s), sigma_a, anisotropy: g, ior, thickness: Some(0.05), ..self }
     }
 
-    /// With glossy reflection in three rows.
+    /// With glossy reflection.
     pub(crate) fn glossy(self, brdf: Reflectance) -> Self {
-        Self { brdf: Some(brdf), rows: 3, ..self }
+        Self { brdf: Some(brdf), ..self }
+    }
+
+    /// Whether an option was given that makes sense for height fields alone.
+    pub(crate) fn is_asked_for(&self) -> bool {
+        self.height.is_some() || self.texels.is_some() || self.sigma_s.is_some() || self.brdf.is_some()
     }
 
     fn medium(&self) -> Option<Medium> {
@@ -223,6 +243,12 @@ impl PatchArguments {
             heights: transfer.heights,
             normals: transfer.normals,
             albedo: if is_own_albedo { options.albedo } else { [1.0; 3] },
+            material: match (options.scattering, options.responses.is_empty()) {
+                (Some(_), _) => Material::Translucent,
+                (None, false) => Material::Glossy,
+                (None, true) => Material::Diffuse,
+            },
+            is_coherent: self.fit.is_smooth(),
             transfer: stored,
         };
         Ok(Baked { texture, bake, relative_error, largest_coefficient, factor_error })

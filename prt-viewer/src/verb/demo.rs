@@ -68,6 +68,9 @@ pub(crate) struct Arguments {
 const PARTS: [Part; 4] = [Part::Unshadowed, Part::Undeformed, Part::Full, Part::Traced];
 const SAMPLES: u32 = 2;
 
+/// One picture for each of [`PARTS`], where it is there.
+type Pictures = [Option<Image>; PARTS.len()];
+
 #[derive(Debug, Serialize)]
 struct Row {
     name: String,
@@ -126,13 +129,16 @@ fn default_output(name: Name) -> PathBuf {
     PathBuf::from(format!("prt-demo-{name}.png"))
 }
 
-/// The pictures of an exhibit, one for each of [`PARTS`]; the last is missing where nothing can be traced.
-fn show(arguments: &Arguments, exhibit: &Exhibit, lighting: &Lighting) -> anyhow::Result<Vec<Image>> {
+/// The pictures of an exhibit, one for each of [`PARTS`] that it has.
+fn show(arguments: &Arguments, exhibit: &Exhibit, lighting: &Lighting) -> anyhow::Result<Pictures> {
     let bar = BakeBar::new();
-    let parts = PARTS.iter().filter(|part| exhibit.has_truth || **part != Part::Traced);
-    let images = parts.map(|part| draw(arguments, exhibit, lighting, *part, &bar)).collect();
+    let there = exhibit.model.parts();
+    let mut pictures = [const { None }; PARTS.len()];
+    for (picture, part) in pictures.iter_mut().zip(PARTS).filter(|(_, part)| there.contains(part)) {
+        *picture = Some(draw(arguments, exhibit, lighting, part, &bar)?);
+    }
     bar.finish();
-    images
+    Ok(pictures)
 }
 
 fn draw(
@@ -166,10 +172,10 @@ fn camera(from: Vec3, positions: &[[f32; 3]], size: Size) -> Camera {
     Camera { eye: camera.target + distance * from.normalize(), ..camera }
 }
 
-fn row(exhibit: &Exhibit, images: &[Image], seconds: f64) -> anyhow::Result<Row> {
-    let truth = images.get(3);
-    let error = |column: usize| truth.map(|truth| relative_l2(&images[column], truth)).transpose();
-    let relmse = truth.map(|truth| Difference::new(&images[2], truth, None)).transpose()?;
+fn row(exhibit: &Exhibit, pictures: &Pictures, seconds: f64) -> anyhow::Result<Row> {
+    let pair = |column: usize| pictures[column].as_ref().zip(pictures[3].as_ref());
+    let error = |column: usize| pair(column).map(|(picture, truth)| relative_l2(picture, truth)).transpose();
+    let relmse = pair(2).map(|(picture, truth)| Difference::new(picture, truth, None)).transpose()?;
     Ok(Row {
         name: exhibit.name.clone(),
         vertices: exhibit.model.geometry().vertex_count(),
@@ -182,17 +188,17 @@ fn row(exhibit: &Exhibit, images: &[Image], seconds: f64) -> anyhow::Result<Row>
     })
 }
 
-/// All pictures, a row for each exhibit.
-fn sheet(rows: &[Vec<Image>], size: Size) -> Image {
+/// All pictures, a row for each exhibit; black where one is missing.
+fn sheet(rows: &[Pictures], size: Size) -> Image {
     let [width, height] = [size.width, size.height].map(|side| side as usize);
-    let columns = rows.iter().map(Vec::len).max().unwrap_or_default();
+    let columns = PARTS.len();
     let mut sheet = Image {
         width: columns * width,
         height: rows.len() * height,
         pixels: vec![[0.0; 3]; columns * width * rows.len() * height],
     };
     for (row, images) in rows.iter().enumerate() {
-        for (column, image) in images.iter().enumerate() {
+        for (column, image) in images.iter().enumerate().filter_map(|(column, image)| Some((column, image.as_ref()?))) {
             for (y, line) in image.pixels.chunks_exact(width).enumerate() {
                 let start = (row * height + y) * sheet.width + column * width;
                 sheet.pixels[start..start + width].copy_from_slice(line);

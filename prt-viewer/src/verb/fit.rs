@@ -81,6 +81,11 @@ impl FitArguments {
         Self { lobes, target_error: None, per_vertex: false, effort, method, smooth: None }
     }
 
+    /// Whether lobes of neighbours are made alike.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.smooth.is_some_and(|strength| strength > 0.0)
+    }
+
     pub(crate) fn options(&self, seed: u64, threads: Option<usize>) -> FitOptions {
         let options = match self.effort {
             Effort::Fast => FitOptions::fast(),
@@ -105,6 +110,8 @@ impl FitArguments {
     /// Fits lobes to transfer vectors, and makes those of neighbours alike if that was asked for.
     pub(crate) fn fit(&self, targets: &Targets<'_>, options: &FitOptions) -> anyhow::Result<Fitted> {
         let bar = FitBar::new(targets.values.len() / (targets.channels * targets.order.coeff_count()));
+        // Nothing is written yet: Ctrl-C may end the program at once.
+        let _interruptible = cancel::Interruptible::new();
         let fitted = sh_fit::fit_lobes_many(
             targets.order,
             targets.channels,
@@ -115,7 +122,6 @@ impl FitArguments {
         );
         bar.finish();
         let (mut set, report) = fitted?;
-        cancel::check()?;
         let smooth = |strength: f64| {
             let max_iterations = if strength > 0.0 { CoherentOptions::default().max_iterations } else { 0 };
             let coherent = CoherentOptions {
@@ -278,8 +284,13 @@ fn summary(report: &Report) -> String {
         0 => String::new(),
         count => format!("\n{} vertices have transfer that is not finite and are black", output::count(count as u64)),
     };
+    // Where lobes do not correspond nobody interpolates them.
+    let between = match report.error_before_smoothing {
+        Some(_) => format!(", {:.2} % where lobes are interpolated at the middle of faces", 100.0 * report.face_error),
+        None => String::new(),
+    };
     format!(
-        "{} vertices, order {}: {} lobes, error {:.2} % (median vertex {:.2} %, worst {:.1} %), {:.2} % at the middle of faces{skipped}\n\
+        "{} vertices, order {}: {} lobes, error {:.2} % (median vertex {:.2} %, worst {:.1} %){between}{skipped}\n\
          {} iterations from {} starts in {:.2} s\nwrote {} ({}) after {:.2} s",
         output::count(report.vertices as u64),
         report.order,
@@ -287,7 +298,6 @@ fn summary(report: &Report) -> String {
         100.0 * report.relative_error,
         100.0 * report.errors.median,
         100.0 * report.errors.max,
-        100.0 * report.face_error,
         output::count(report.iterations),
         output::count(report.starts),
         report.fit_seconds,

@@ -148,6 +148,7 @@ fn open_window(model: Model, lightings: Vec<Lighting>, camera: &Camera) {
         path: PathBuf::from(BAKED),
         model: Arc::new(model),
         motion: Motion::default(),
+        part: None,
         lightings,
         scene_from_environment: Quat::IDENTITY,
         orbit,

@@ -9,6 +9,7 @@ use crate::camera::Orbit;
 use crate::lighting::Lighting;
 use crate::model::ModelArguments;
 use crate::motion::MotionArguments;
+use crate::shading::Part;
 use crate::sky::BuiltIn;
 use crate::window::{self, Capture, Subject};
 
@@ -23,6 +24,9 @@ pub(crate) struct Arguments {
     model: ModelArguments,
     #[command(flatten)]
     motion: MotionArguments,
+    /// Which light paths to show at first [default: all that are there]
+    #[arg(long, value_enum)]
+    part: Option<Part>,
     /// Environments: latitude-longitude .hdr or .exr, or folders with the faces of a cube map. The built-in ones follow in the list
     #[arg(long, value_name = "FILE", num_args = 1..)]
     env: Vec<PathBuf>,
@@ -63,6 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         exposure: arguments.exposure,
         model: Arc::new(model),
         motion,
+        part: arguments.part,
     };
     let capture = arguments.screenshot.clone().map(|path| Capture::new(path, arguments.frames));
     window::open(subject, arguments.size, capture)

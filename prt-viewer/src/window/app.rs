@@ -64,12 +64,12 @@ impl App {
         failure: Failure,
     ) -> Result<Self, prt_gpu::Error> {
         let gpu = Gpu::from_parts(state.device.clone(), state.queue.clone(), state.adapter.get_info())?;
-        let Subject { path, model, motion, lightings, scene_from_environment, orbit, exposure } = subject;
+        let Subject { path, model, motion, part, lightings, scene_from_environment, orbit, exposure } = subject;
         let viewport = Viewport::new(gpu, state.target_format, Arc::clone(&model))?;
         let parts = model.parts();
         let mut settings = Settings::new(orbit, scene_from_environment, exposure, model.order());
         settings.motion = motion;
-        settings.part = parts.last().copied().unwrap_or(Part::Full);
+        settings.part = part.filter(|part| parts.contains(part)).or(parts.last().copied()).unwrap_or(Part::Full);
         set_failure(&failure, capture.as_ref().map(Capture::missing));
         Ok(Self {
             path,
@@ -241,6 +241,10 @@ impl App {
     /// Lets time go on, if it does.
     fn play(&mut self, ui: &Ui) {
         if self.settings.plays {
+            // Tracing every frame would hold the window up.
+            if self.settings.part == Part::Traced {
+                self.settings.part = Part::Full;
+            }
             self.settings.advance(ui.input(|input| input.stable_dt).min(LONGEST_STEP));
             ui.ctx().request_repaint();
         }

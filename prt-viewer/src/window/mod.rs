@@ -21,6 +21,7 @@ use crate::camera::Orbit;
 use crate::lighting::Lighting;
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::shading::Part;
 
 use app::App;
 pub(crate) use capture::Capture;
@@ -34,6 +35,8 @@ pub(crate) struct Subject {
     pub(crate) model: Arc<Model>,
     /// The pose at first.
     pub(crate) motion: Motion,
+    /// The part at first; the fullest if there is none, or it is not in the file.
+    pub(crate) part: Option<Part>,
     /// At least one; the first is shown.
     pub(crate) lightings: Vec<Lighting>,
     /// The environment stands upright in the scene, turned as asked.

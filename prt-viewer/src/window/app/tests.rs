@@ -80,6 +80,7 @@ fn subject(folder: &Path, model: Model) -> Subject {
         orbit,
         exposure: 0.0,
         motion: Motion::default(),
+        part: None,
         model: Arc::new(model),
     }
 }
