@@ -28,7 +28,8 @@ pub(crate) fn atan_unit(x: f32) -> f32 {
 pub(crate) fn turn(y: f32, x: f32) -> f32 {
     let (width, height) = (x.abs(), y.abs());
     // The smallest normal number keeps 0/0 away and changes no other quotient.
-    let slope = width.min(height) / width.max(height).max(f32::MIN_POSITIVE);
+    let (short, long) = if width < height { (width, height) } else { (height, width) };
+    let slope = short / long.max(f32::MIN_POSITIVE);
     let angle = atan_unit(slope);
     let angle = if height > width { FRAC_PI_2 - angle } else { angle };
     let angle = if x < 0.0 { PI - angle } else { angle };

@@ -62,6 +62,7 @@ pub(crate) fn orthogonal(v: [f32; 3], normal: [f32; 3]) -> Option<[f32; 3]> {
 /// The frame itself if it is orthonormal within 0.002; otherwise one that keeps the direction of `c2`, the plane of `c2` and `c0`
 /// and the handedness as far as they exist: any tangent where `c0` is parallel to `c2` or zero, the identity where `c2` is zero or a
 /// number is not finite.
+#[inline]
 pub(crate) fn orthonormal_or_replaced(frame: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
     if is_orthonormal(frame) {
         return *frame;
@@ -81,10 +82,13 @@ pub(crate) fn orthonormalised(frame: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
     [tangent, if is_mirrored { bitangent.map(|x| -x) } else { bitangent }, normal]
 }
 
-fn is_orthonormal(frame: &[[f32; 3]; 3]) -> bool {
-    let is_near = |i: usize, j: usize| (dot(frame[i], frame[j]) - if i == j { 1.0 } else { 0.0 }).abs() <= TOLERANCE;
-    // Written so that NaN is not near.
-    (0..3).all(|i| (i..3).all(|j| is_near(i, j)))
+#[inline]
+fn is_orthonormal([a, b, c]: &[[f32; 3]; 3]) -> bool {
+    let unit = [dot(*a, *a), dot(*b, *b), dot(*c, *c)];
+    let zero = [dot(*a, *b), dot(*b, *c), dot(*c, *a)];
+    // Written so that NaN is not near, and without branches.
+    let is_near = |near, (product, exact): (f32, f32)| near & ((product - exact).abs() <= TOLERANCE);
+    unit.map(|x| (x, 1.0)).into_iter().chain(zero.map(|x| (x, 0.0))).fold(true, is_near)
 }
 
 #[cfg(test)]

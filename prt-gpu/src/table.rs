@@ -1,5 +1,6 @@
 use crate::Error;
 use crate::angle::turn;
+use multiversion::multiversion;
 use std::f64::consts::{PI, TAU};
 use wide::f32x4;
 
@@ -107,11 +108,12 @@ impl LobeTable {
     /// The `block`-th of `block_count` blocks at a place, bilinear.
     #[inline(always)]
     pub(crate) fn block(&self, place: &Place, block: usize, block_count: usize) -> Block {
-        let top = place.texel as usize * block_count + block;
-        let bottom = top + self.layout.columns() * block_count;
-        let [a, b, c, d] = [top, top + block_count, bottom, bottom + block_count].map(|i| &self.texels[i]);
+        let upper = &self.texels[place.texel as usize * block_count + block..];
+        let lower = &upper[self.layout.columns() * block_count..];
+        let (a, b, c, d) = (&upper[0], &upper[block_count], &lower[0], &lower[block_count]);
         let [p, q, r, s] = place.weights.map(f32x4::splat);
-        std::array::from_fn(|k| (p * a[k] + q * b[k]) + (r * c[k] + s * d[k]))
+        let mix = |k: usize| (p * a[k] + q * b[k]) + (r * c[k] + s * d[k]);
+        [mix(0), mix(1), mix(2)]
     }
 }
 
@@ -124,6 +126,27 @@ pub(crate) struct Place {
 
 /// Directions that are placed at once, in registers.
 const LANES: usize = 8;
+
+/// The places of up to eight directions, each number beside its like.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Places {
+    texels: [u32; LANES],
+    weights: [[f32; LANES]; 4],
+}
+
+impl Places {
+    /// How many hold the places of some directions.
+    pub(crate) fn count(directions: usize) -> usize {
+        directions.div_ceil(LANES)
+    }
+
+    /// The place of a direction.
+    #[inline(always)]
+    pub(crate) fn nth(places: &[Self], i: usize) -> Place {
+        let (Self { texels, weights: [a, b, c, d] }, lane) = (&places[i / LANES], i % LANES);
+        Place { texel: texels[lane], weights: [a[lane], b[lane], c[lane], d[lane]] }
+    }
+}
 
 /// Size of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,43 +190,110 @@ impl TableLayout {
         rows.iter().flat_map(|row| columns.iter().map(move |column| direction(row, column))).collect()
     }
 
-    /// The place of a direction. The twin of `table_place` in `shaders/shared/lobes.wgsl`.
+    /// The place of a direction.
     pub(crate) fn place(&self, direction: [f32; 3]) -> Place {
-        self.place_at(self.coordinates(direction))
+        let mut places = [Places::default()];
+        self.places(&[direction], &mut places);
+        Places::nth(&places, 0)
     }
 
-    /// The places of many directions.
-    pub(crate) fn places(&self, directions: &[[f32; 3]], out: &mut Vec<Place>) {
-        out.clear();
-        let (whole, rest) = directions.as_chunks::<LANES>();
-        for directions in whole {
-            // Components beside each other: both loops are vectorised.
-            let [x, y, z] = [0, 1, 2].map(|i| directions.map(|d| d[i]));
-            let (mut columns, mut rows) = ([0.0; LANES], [0.0; LANES]);
-            for k in 0..LANES {
-                [columns[k], rows[k]] = self.coordinates([x[k], y[k], z[k]]);
-            }
-            out.extend((0..LANES).map(|k| self.place_at([columns[k], rows[k]])));
-        }
-        out.extend(rest.iter().map(|direction| self.place(*direction)));
+    /// The places of directions, `⌈D/8⌉`. The twin of `table_place` in `shaders/shared/lobes.wgsl`.
+    pub(crate) fn places(&self, directions: &[[f32; 3]], out: &mut [Places]) {
+        place_all([self.width as f32, self.height as f32], directions, out);
     }
+}
 
-    /// Column and row in texels, border included, from the centre of the first texel.
-    #[inline(always)]
-    fn coordinates(&self, [x, y, z]: [f32; 3]) -> [f32; 2] {
-        let (width, height) = (self.width as f32, self.height as f32);
+/// The places of directions in a table of some width and height.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn place_all(size: [f32; 2], directions: &[[f32; 3]], out: &mut [Places]) {
+    let (whole, rest) = directions.as_chunks::<LANES>();
+    let mut out = out.iter_mut();
+    for (directions, out) in whole.iter().zip(&mut out) {
+        *out = place_lanes(size, directions);
+    }
+    if let (false, Some(out)) = (rest.is_empty(), out.next()) {
+        let mut directions = [[0.0; 3]; LANES];
+        directions[..rest.len()].copy_from_slice(rest);
+        *out = place_lanes(size, &directions);
+    }
+}
+
+/// The places of eight directions: loops over arrays, which compilers turn into registers.
+#[inline(always)]
+fn place_lanes([width, height]: [f32; 2], directions: &[[f32; 3]; LANES]) -> Places {
+    let mut places = Places::default();
+    for (k, &[x, y, z]) in directions.iter().enumerate() {
+        // Column and row in texels, border included, from the centre of the first texel.
         let column = turn(x, -z) * width - 0.5;
         let column = if column < 0.0 { column + width } else { column };
         // Half a turn from pole to pole.
-        [column, turn((x * x + z * z).sqrt(), y) * (2.0 * height) + 0.5]
+        let row = turn((x * x + z * z).sqrt(), y) * (2.0 * height) + 0.5;
+        let (i, j) = (floor_within(column, width - 1.0), floor_within(row, height));
+        let (s, t) = (column - i, row - j);
+        let (right, below) = (s * (1.0 - t), s * t);
+        places.texels[k] = integer(j * (width + 1.0) + i);
+        places.weights[0][k] = (1.0 - t) - right;
+        places.weights[1][k] = right;
+        places.weights[2][k] = t - below;
+        places.weights[3][k] = below;
+    }
+    places
+}
+
+/// Added to a number from 0 to 2²³, it leaves the nearest integer in the 23 low bits.
+const INTEGERS: f32 = 8_388_608.0;
+
+/// The integer below `x`, between 0 and `last`; 0 for NaN. Integers may count as the end of the interval before them.
+#[inline(always)]
+fn floor_within(x: f32, last: f32) -> f32 {
+    let centre = x - 0.5;
+    let centre = if centre > 0.0 { centre } else { 0.0 };
+    let centre = if centre < last { centre } else { last };
+    (centre + INTEGERS) - INTEGERS
+}
+
+/// An integer below 2²³ that is held by a float.
+#[inline(always)]
+fn integer(x: f32) -> u32 {
+    (x + INTEGERS).to_bits() & 0x7f_ffff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Column and row in texels, border included, in `f64`.
+    fn exact_place(layout: &TableLayout, direction: [f32; 3]) -> [f64; 2] {
+        let ([x, y, z], width) = (direction.map(f64::from), layout.width as f64);
+        let column = (x.atan2(-z) / TAU * width - 0.5).rem_euclid(width);
+        [column, x.hypot(z).atan2(y) / PI * layout.height as f64 + 0.5]
     }
 
-    #[inline(always)]
-    fn place_at(&self, [column, row]: [f32; 2]) -> Place {
-        // Rounding may reach the end of a row or of the table: then the share is 1. NaN lands on texel 0.
-        let (i, j) = ((column as i32).min(self.width as i32 - 1), (row as i32).min(self.height as i32));
-        let (s, t) = (column - i as f32, row - j as f32);
-        let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t];
-        Place { texel: (j * (self.width as i32 + 1) + i) as u32, weights }
+    proptest! {
+        /// Eight at a time, and a few left over: the weights of each place add up to 1 and have their centre in the direction.
+        #[test]
+        fn directions_have_their_places(
+            directions in prop::collection::vec(prop::array::uniform3(-1.0_f32..1.0), 1..20),
+            half_width in 2_usize..=512,
+            height in 2_usize..=1024,
+        ) {
+            let layout = TableLayout { width: 2 * half_width, height, band_count: 1 };
+            let mut places = vec![Places::default(); Places::count(directions.len())];
+            layout.places(&directions, &mut places);
+            for (i, direction) in directions.iter().enumerate() {
+                let Place { texel, weights } = Places::nth(&places, i);
+                prop_assert!(weights.iter().all(|w| (-1e-6..1.000_001).contains(w)), "{weights:?}");
+                prop_assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+                let (column, row) = (texel as usize % layout.columns(), texel as usize / layout.columns());
+                prop_assert!(column < layout.width && row <= height);
+                let [exact_column, exact_row] = exact_place(&layout, *direction);
+                let across = (column as f64 + f64::from(weights[1] + weights[3]) - exact_column).abs();
+                let down = (row as f64 + f64::from(weights[2] + weights[3]) - exact_row).abs();
+                // A turn is 1e-7 off at most, and as much is lost when the half texel is taken off.
+                prop_assert!(across.min(layout.width as f64 - across) < 3e-4, "{across}");
+                prop_assert!(down < 6e-4, "{down}");
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 use crate::LobeTable;
 use crate::table::{Block, TableLayout};
-use sh_core::{Basis, Order};
+use multiversion::multiversion;
+use sh_core::{BLOCK, Basis, Order};
 use wide::f32x4;
 
 /// Directions whose basis functions are evaluated at once.
@@ -40,45 +41,59 @@ pub(super) struct LightBands {
     basis: Basis<f32>,
     first_band: usize,
     /// `[k²]`, the three channels beside each other.
-    coeffs: Vec<f32x4>,
+    coeffs: Vec<[f32; 4]>,
 }
 
 impl LightBands {
     pub(super) fn new(light: &[f32], order: Order, first_band: usize) -> Self {
-        Self {
-            basis: Basis::new(order),
-            first_band,
-            coeffs: interleave(light, order).into_iter().map(f32x4::from).collect(),
-        }
+        Self { basis: Basis::new(order), first_band, coeffs: interleave(light, order) }
     }
 
     /// `out[d]` is `ê(directions[d])`, `⌈bands/4⌉` blocks as a texel of a table. `y` is room for the basis functions.
     pub(super) fn evaluate(&self, directions: &[[f32; 3]], y: &mut Vec<f32>, out: &mut [Block]) {
-        let (order, count) = (self.basis.order(), self.coeffs.len());
-        y.resize(directions.len() * count, 0.0);
-        self.basis.eval_batch(directions, y);
-        let blocks = (order.get() - self.first_band).div_ceil(4);
-        for (y, out) in y.chunks_exact(count).zip(out.chunks_exact_mut(blocks)) {
-            for (block, out) in out.iter_mut().enumerate() {
-                let bands = std::array::from_fn(|i| self.band(y, self.first_band + 4 * block + i));
-                let [red, green, blue, _] = f32x4::transpose(bands);
-                *out = [red, green, blue];
-            }
-        }
+        y.resize(directions.len().div_ceil(BLOCK) * self.coeffs.len() * BLOCK, 0.0);
+        self.basis.eval_blocks(directions, y);
+        add_up_bands(self, y.as_chunks().0, out);
     }
+}
 
-    /// `ê_l`, or zeros beyond the last band.
-    #[inline(always)]
-    fn band(&self, y: &[f32], l: usize) -> f32x4 {
-        match l < self.basis.order().get() {
-            true => weighted_sum(&y[l * l..(l + 1) * (l + 1)], &self.coeffs[l * l..(l + 1) * (l + 1)]),
-            false => f32x4::ZERO,
+/// [`LightBands::evaluate`] from blocks of basis functions `[⌈D/16⌉, k²]`: loops over directions, which compilers turn into registers.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_up_bands(light: &LightBands, y: &[[f32; BLOCK]], out: &mut [Block]) {
+    let block_count = (light.basis.order().get() - light.first_band).div_ceil(4);
+    for (y, out) in y.chunks_exact(light.coeffs.len()).zip(out.chunks_mut(BLOCK * block_count)) {
+        for block in 0..block_count {
+            let first = light.first_band + 4 * block;
+            let bands = [
+                band(light, y, first),
+                band(light, y, first + 1),
+                band(light, y, first + 2),
+                band(light, y, first + 3),
+            ];
+            for (d, out) in out.chunks_exact_mut(block_count).enumerate() {
+                for (c, out) in out[block].iter_mut().enumerate() {
+                    *out = f32x4::from([bands[0][c][d], bands[1][c][d], bands[2][c][d], bands[3][c][d]]);
+                }
+            }
         }
     }
 }
 
-fn weighted_sum(weights: &[f32], values: &[f32x4]) -> f32x4 {
-    weights.iter().zip(values).fold(f32x4::ZERO, |sum, (w, value)| sum + f32x4::splat(*w) * *value)
+/// `ê_l` of three channels, or zeros beyond the last band.
+#[inline(always)]
+fn band(light: &LightBands, y: &[[f32; BLOCK]], l: usize) -> [[f32; BLOCK]; 3] {
+    let [mut red, mut green, mut blue] = [[0.0; BLOCK]; 3];
+    if l < light.basis.order().get() {
+        let range = l * l..(l + 1) * (l + 1);
+        for (y, e) in y[range.clone()].iter().zip(&light.coeffs[range]) {
+            for (k, y) in y.iter().enumerate() {
+                red[k] += y * e[0];
+                green[k] += y * e[1];
+                blue[k] += y * e[2];
+            }
+        }
+    }
+    [red, green, blue]
 }
 
 /// A light `[3, k²]` as `[k²]` of red, green, blue and 0.

@@ -1,5 +1,5 @@
 use super::rasterize::{Paint, Point, blend};
-use super::shade_lobes::{Bands, LobeLight, PointLobes, view_factors};
+use super::shade_lobes::{LobeLight, LobeSums, view_factors};
 use crate::frame::{orthonormal_or_replaced, orthonormalised, relief_frame, rotate, unit};
 use crate::triangle::exact_perspective_weights;
 use crate::{LobeSampling, LobeTexture, TexturedSurface};
@@ -44,7 +44,7 @@ pub(super) struct Scratch {
     explicit: Vec<f32>,
     coeffs: Vec<f32>,
     axes: Vec<[f32; 3]>,
-    bands: Bands,
+    lobes: LobeSums,
     factors: Vec<f32>,
 }
 
@@ -69,16 +69,16 @@ impl Paint for TexturePaint<'_> {
         };
         scratch.fetch(&surface.texture, &explicit, &lobes);
         scratch.axes.iter_mut().for_each(|axis| *axis = rotate(&frame, *axis));
-        self.light.evaluate(&scratch.axes, &mut scratch.bands);
-        scratch.factors.resize(surface.texture.lobes.shape.rows, 1.0);
+        let shape = &surface.texture.lobes.shape;
+        self.light.add_up(shape, &scratch.axes, &scratch.coeffs, &mut scratch.lobes);
+        scratch.factors.resize(shape.rows, 1.0);
         if let Some(map) = surface.texture.lobes.view_map {
             let normal = surface.texture.normals.map(|normals| normals[near.texels[0]]);
             let looked_from = normal.map_or(frame, |normal| relief_frame(&frame, normal));
             view_factors(map, &looked_from, position(), self.eye, &mut scratch.factors);
         }
-        let lobes = PointLobes { explicit: &scratch.explicit, coeffs: &scratch.coeffs };
-        let shape = &surface.texture.lobes.shape;
-        let transferred = self.light.transfer(shape, lobes, &frame, (&scratch.bands, 0), &scratch.factors);
+        let Scratch { explicit: coeffs, lobes, factors, .. } = scratch;
+        let transferred = self.light.transfer(shape, coeffs, &frame, (lobes, 0), factors);
         let texel = explicit.albedo(&surface.texture);
         std::array::from_fn(|c| (albedo[c] * texel[c]) * transferred[c])
     }

@@ -1,8 +1,9 @@
 use super::build_table::{LightBands, build_table, interleave};
 use crate::frame::{IDENTITY, orthonormal_or_replaced, rotate, to_local, unit};
 use crate::lobes::LobeShape;
-use crate::table::{Block, Place};
+use crate::table::{Block, Places};
 use crate::{Evaluation, LobeSurface, LobeTable, Lobes, ViewMap};
+use multiversion::multiversion;
 use rayon::prelude::*;
 use sh_core::{Order, index};
 use wide::f32x4;
@@ -55,7 +56,7 @@ pub fn shade_lobes(
 struct Scratch {
     frames: Vec<Frame3>,
     axes: Vec<[f32; 3]>,
-    bands: Bands,
+    lobes: LobeSums,
     factors: Vec<f32>,
 }
 
@@ -73,8 +74,10 @@ impl Scratch {
         self.frames.clear();
         self.frames.extend((first..first + out.len()).map(frame));
         self.rotate_axes(&surface.lobes, first);
-        light.evaluate(&self.axes, &mut self.bands);
         let shape = surface.lobes.shape;
+        let size = shape.coeff_floats();
+        let coeffs = &surface.lobes.coeffs[first * size..(first + out.len()) * size];
+        light.add_up(&shape, &self.axes, coeffs, &mut self.lobes);
         self.factors.resize(shape.rows, 1.0);
         for (k, out) in out.iter_mut().enumerate() {
             let (v, frame) = (first + k, &self.frames[k]);
@@ -83,9 +86,9 @@ impl Scratch {
                 let local = rest.map(|column| rotate(frame, column));
                 view_factors(map, &local, surface.positions[v], eye, &mut self.factors);
             }
-            let lobes = PointLobes::of(&surface.lobes, v);
-            let first = k * shape.axis_count();
-            let transferred = light.transfer(&shape, lobes, frame, (&self.bands, first), &self.factors);
+            let size = shape.explicit_floats();
+            let explicit = &surface.lobes.explicit[v * size..(v + 1) * size];
+            let transferred = light.transfer(&shape, explicit, frame, (&self.lobes, k), &self.factors);
             *out = std::array::from_fn(|c| surface.albedo[v][c] * transferred[c]);
         }
     }
@@ -113,32 +116,13 @@ pub(super) fn view_factors(
     map.sample(direction, out);
 }
 
-/// The lobes of one point.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PointLobes<'a> {
-    /// `[R, C, k]`.
-    pub(super) explicit: &'a [f32],
-    /// `[R, C, N, n]`.
-    pub(super) coeffs: &'a [f32],
-}
-
-impl<'a> PointLobes<'a> {
-    pub(super) fn of(lobes: &Lobes<'a>, point: usize) -> Self {
-        let (explicit, coeffs) = (lobes.shape.explicit_floats(), lobes.shape.coeff_floats());
-        Self {
-            explicit: &lobes.explicit[point * explicit..(point + 1) * explicit],
-            coeffs: &lobes.coeffs[point * coeffs..(point + 1) * coeffs],
-        }
-    }
-}
-
 /// A light, made ready for lobes.
 #[derive(Debug, Clone)]
 pub(super) struct LobeLight {
     /// `e_0` of three channels.
-    dc: [f32; 4],
+    dc: f32x4,
     /// The linear band as three vectors, one component of all channels beside the other: `(−e_3, −e_1, e_2)`.
-    linear: [[f32; 4]; 3],
+    linear: [f32x4; 3],
     /// Bands in use that lobes describe.
     pub(super) band_count: usize,
     source: Source,
@@ -159,31 +143,41 @@ impl LobeLight {
         }
         let first_band = shape.first_band();
         let coeffs = interleave(light, order);
-        let linear = |m, sign: f32| coeffs.get(index(1, m)).map_or([0.0; 4], |e| e.map(|e| sign * e));
+        let linear =
+            |m, sign: f32| coeffs.get(index(1, m)).map_or(f32x4::ZERO, |e| f32x4::from(*e) * f32x4::splat(sign));
         let source = match evaluation {
             Evaluation::Direct => Source::Direct(LightBands::new(light, order, first_band)),
             Evaluation::Table { width, height } => Source::Table(build_table(light, order, first_band, width, height)),
         };
         Self {
-            dc: coeffs[0],
+            dc: coeffs[0].into(),
             linear: [linear(1, -1.0), linear(-1, -1.0), linear(0, 1.0)],
             band_count: order.get().saturating_sub(first_band),
             source,
         }
     }
 
-    /// Places axes in the table, or evaluates their bands.
-    pub(super) fn evaluate(&self, axes: &[[f32; 3]], out: &mut Bands) {
-        if self.band_count == 0 {
+    /// What the lobes of points transfer.
+    ///
+    /// - `axes`: `[P, R, N]`, rotated by the frames
+    /// - `coeffs`: `[P, R, C, N, n]`
+    pub(super) fn add_up(&self, shape: &LobeShape, axes: &[[f32; 3]], coeffs: &[f32], out: &mut LobeSums) {
+        out.rows.clear();
+        if self.band_count == 0 || axes.is_empty() {
             return;
         }
         match &self.source {
-            Source::Table(table) => table.layout.places(axes, &mut out.places),
+            Source::Table(table) => {
+                out.places.resize(Places::count(axes.len()), Places::default());
+                table.layout.places(axes, &mut out.places);
+            }
             Source::Direct(bands) => {
                 out.blocks.resize(axes.len() * self.block_count(), [f32x4::ZERO; 3]);
                 bands.evaluate(axes, &mut out.basis, &mut out.blocks);
             }
         }
+        out.rows.resize(axes.len() / shape.lobe_count, f32x4::ZERO);
+        add_up_rows(shape, self.block_count(), &self.source, coeffs, out);
     }
 
     /// Blocks of four bands per channel.
@@ -193,102 +187,136 @@ impl LobeLight {
 
     /// Radiance of a point without its albedo.
     ///
-    /// - `bands`: as [`LobeLight::evaluate`] makes them, and the number of the point's first axis
+    /// - `explicit`: `[R, C, k]`
+    /// - `lobes`: as [`LobeLight::add_up`] makes them, and the point's number among them
     /// - `factors`: `[R]`
+    #[inline(always)]
     pub(super) fn transfer(
         &self,
         shape: &LobeShape,
-        lobes: PointLobes<'_>,
+        explicit: &[f32],
         frame: &Frame3,
-        (bands, first_axis): (&Bands, usize),
+        (lobes, point): (&LobeSums, usize),
         factors: &[f32],
     ) -> [f32; 3] {
-        let (k, n) = (shape.explicit_count, shape.channels * shape.lobe_count * shape.order.get());
-        let mut sum = [0.0; 3];
-        for (r, factor) in factors.iter().enumerate() {
-            let explicit = &lobes.explicit[r * shape.channels * k..(r + 1) * shape.channels * k];
-            let mut row = self.explicit(explicit, k, frame);
-            if self.band_count > 0 {
-                let axis = first_axis + r * shape.lobe_count;
-                let lobes = self.lobes(shape, &lobes.coeffs[r * n..(r + 1) * n], bands, axis);
-                row = std::array::from_fn(|c| row[c] + lobes[c]);
+        let local = self.local_linear(frame);
+        let explicit = explicit.chunks_exact(shape.channels * shape.explicit_count);
+        let mut sum = f32x4::ZERO;
+        for (r, (factor, explicit)) in factors.iter().zip(explicit).enumerate() {
+            let mut row = self.explicit(shape, explicit, &local);
+            if let Some(lobes) = lobes.rows.get(point * shape.rows + r) {
+                row += *lobes;
             }
-            sum = std::array::from_fn(|c| sum[c] + factor * row[c]);
+            sum += f32x4::splat(*factor) * row;
         }
-        sum
+        let [red, green, blue, _] = sum.to_array();
+        [red, green, blue]
     }
 
-    /// Explicit coefficients `[C, k]` under the light.
-    fn explicit(&self, explicit: &[f32], k: usize, frame: &Frame3) -> [f32; 3] {
-        let [x, y, z] = self.linear;
-        std::array::from_fn(|c| {
-            let channel = if explicit.len() > k { &explicit[c * k..(c + 1) * k] } else { explicit };
-            let dc = channel[0] * self.dc[c];
-            let [_, f1, f2, f3] = *channel else { return dc };
-            // The linear band is a vector, which the frame turns like a direction.
-            let vector = rotate(frame, [-f3, -f1, f2]);
-            dc + ((vector[0] * x[c] + vector[1] * y[c]) + vector[2] * z[c])
-        })
-    }
-
-    /// The lobes of a row, `[C, N, n]`, under the light.
-    fn lobes(&self, shape: &LobeShape, coeffs: &[f32], bands: &Bands, first_axis: usize) -> [f32; 3] {
-        let (axes, blocks) = (first_axis..first_axis + shape.lobe_count, self.block_count());
-        let mut sum = [f32x4::ZERO; 3];
-        for block in 0..blocks {
-            match &self.source {
-                Source::Table(table) => {
-                    let bands = bands.places[axes.clone()].iter().map(|place| table.block(place, block, blocks));
-                    self.add_lobes(shape, coeffs, block, bands, &mut sum);
-                }
-                Source::Direct(_) => {
-                    let bands = axes.clone().map(|axis| bands.blocks[axis * blocks + block]);
-                    self.add_lobes(shape, coeffs, block, bands, &mut sum);
-                }
-            }
-        }
-        sum.map(|sum| sum.reduce_add())
-    }
-
-    /// Adds four bands of all lobes of a row.
+    /// The linear band as a vector in a local frame.
     #[inline(always)]
-    fn add_lobes(
-        &self,
-        shape: &LobeShape,
-        coeffs: &[f32],
-        block: usize,
-        bands: impl Iterator<Item = Block>,
-        sum: &mut Block,
-    ) {
-        let (n, first) = (shape.order.get(), shape.first_band());
-        let used = first + 4 * block..first + self.band_count;
-        let channel = shape.lobe_count * n;
-        for ((j, lobe), e) in coeffs[..channel].chunks_exact(n).enumerate().zip(bands) {
-            let grey = four(&lobe[used.clone()]);
-            let g = match shape.channels {
-                3 => [0, 1, 2].map(|c| four(&coeffs[c * channel + j * n..][used.clone()])),
-                _ => [grey; 3],
-            };
-            *sum = std::array::from_fn(|c| sum[c] + g[c] * e[c]);
+    fn local_linear(&self, frame: &Frame3) -> [f32x4; 3] {
+        let [x, y, z] = self.linear;
+        let along = |[a, b, c]: [f32; 3]| (x * f32x4::splat(a) + y * f32x4::splat(b)) + z * f32x4::splat(c);
+        [along(frame[0]), along(frame[1]), along(frame[2])]
+    }
+
+    /// Explicit coefficients `[C, k]` under the light, its linear band in the local frame.
+    #[inline(always)]
+    fn explicit(&self, shape: &LobeShape, explicit: &[f32], [x, y, z]: &[f32x4; 3]) -> f32x4 {
+        let k = shape.explicit_count;
+        let channels = |i: usize| match shape.channels {
+            3 => f32x4::from([explicit[i], explicit[k + i], explicit[2 * k + i], 0.0]),
+            _ => f32x4::splat(explicit[i]),
+        };
+        let dc = channels(0) * self.dc;
+        if k == 1 {
+            return dc;
         }
+        // The linear band is a vector, which the frame turns like a direction.
+        ((dc - channels(3) * *x) - channels(1) * *y) + channels(2) * *z
     }
 }
 
-/// A light's bands at some axes: where they are in its table, or themselves.
+/// What the lobes of some points transfer, and room to find it.
 #[derive(Debug, Default)]
-pub(super) struct Bands {
-    places: Vec<Place>,
-    /// `[axes, ⌈bands/4⌉]`.
+pub(super) struct LobeSums {
+    /// `[P, R]`, three channels; empty without lobes.
+    rows: Vec<f32x4>,
+    /// Where the axes are in the table.
+    places: Vec<Places>,
+    /// Or their bands, `[axes, ⌈bands/4⌉]`.
     blocks: Vec<Block>,
     /// Room for the basis functions.
     basis: Vec<f32>,
 }
 
-/// The first four coefficients, zeros beyond the last.
+/// Adds up the lobes of each row from the places of their axes or their blocks of bands.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_up_rows(shape: &LobeShape, block_count: usize, source: &Source, coeffs: &[f32], sums: &mut LobeSums) {
+    let LobeSums { rows, places, blocks, .. } = sums;
+    match source {
+        // Constants let the loop over blocks and the choice of channels vanish.
+        Source::Table(table) if block_count == 1 && shape.channels == 1 => {
+            let bands = |axis, block| table.block(&Places::nth(places, axis), block, 1);
+            add_up_bands(&LobeShape { channels: 1, ..*shape }, 1, coeffs, bands, rows);
+        }
+        Source::Direct(_) if block_count == 1 && shape.channels == 1 => {
+            let bands = |axis, block| blocks[axis + block];
+            add_up_bands(&LobeShape { channels: 1, ..*shape }, 1, coeffs, bands, rows);
+        }
+        Source::Table(table) => {
+            let bands = |axis, block| table.block(&Places::nth(places, axis), block, block_count);
+            add_up_bands(shape, block_count, coeffs, bands, rows);
+        }
+        Source::Direct(_) => {
+            let bands = |axis, block| blocks[axis * block_count + block];
+            add_up_bands(shape, block_count, coeffs, bands, rows);
+        }
+    }
+}
+
+/// `out[r] = Σ_jl coeffs_rjl ê_l(axis_rj)` per channel, four bands at a time.
 #[inline(always)]
-fn four(lobe: &[f32]) -> f32x4 {
-    f32x4::from(match lobe.first_chunk::<4>() {
-        Some(four) => *four,
-        None => std::array::from_fn(|i| lobe.get(i).copied().unwrap_or(0.0)),
-    })
+fn add_up_bands(
+    shape: &LobeShape,
+    block_count: usize,
+    coeffs: &[f32],
+    bands: impl Fn(usize, usize) -> Block,
+    out: &mut [f32x4],
+) {
+    let (n, first_band, lobe_count) = (shape.order.get(), shape.first_band(), shape.lobe_count);
+    let (is_grey, channel) = (shape.channels == 1, lobe_count * n);
+    for (r, (coeffs, out)) in coeffs.chunks_exact(shape.channels * channel).zip(out).enumerate() {
+        let mut sum = [f32x4::ZERO; 3];
+        for j in 0..lobe_count {
+            for block in 0..block_count {
+                let e = bands(r * lobe_count + j, block);
+                let first = j * n + first_band + 4 * block;
+                let red = four(coeffs, first);
+                let (green, blue) = match is_grey {
+                    true => (red, red),
+                    false => (four(coeffs, channel + first), four(coeffs, 2 * channel + first)),
+                };
+                sum = [sum[0] + red * e[0], sum[1] + green * e[1], sum[2] + blue * e[2]];
+            }
+        }
+        let [a, b, c, d] = f32x4::transpose([sum[0], sum[1], sum[2], f32x4::ZERO]);
+        *out = (a + b) + (c + d);
+    }
+}
+
+/// Four coefficients, zeros beyond the last. Those beyond the bands in use do not count: there blocks are zero.
+#[inline(always)]
+fn four(coeffs: &[f32], first: usize) -> f32x4 {
+    let coeffs = &coeffs[first..];
+    match coeffs.first_chunk::<4>() {
+        Some(four) => f32x4::from(*four),
+        None => last_ones(coeffs),
+    }
+}
+
+#[cold]
+fn last_ones(coeffs: &[f32]) -> f32x4 {
+    f32x4::from(std::array::from_fn(|i| coeffs.get(i).copied().unwrap_or(0.0)))
 }
