@@ -159,7 +159,7 @@ fn draw(
     let view = View::new(clip_from_world.to_cols_array_2d(), width, height, SAMPLES)?;
     let order = arguments.order;
     let light = lighting.light(order, arguments.light.scene_from_environment());
-    let (eye, evaluation) = (camera.eye.to_array(), Evaluation::default());
+    let (eye, evaluation) = (camera.eye.to_array(), Evaluation::Direct);
     let shot = Shot { light: &light, order, eye, evaluation, view: &view };
     Ok(picture::develop(&shading::shade(&drawing, &shot, arguments.backend)?.frame, None))
 }

@@ -134,8 +134,7 @@ fn shade(model: &Model, lighting: &Lighting, camera: &Camera, backend: Backend) 
     let view = View::new(clip_from_world.to_cols_array_2d(), SIZE.width, SIZE.height, SAMPLES)?;
     let transfer = model.transfer(Part::Full, &Motion::default(), 0, &())?;
     let drawing = Drawing::new(model, &transfer, positions, &[])?;
-    let shot =
-        Shot { light: &light, order, eye: camera.eye.to_array(), evaluation: Evaluation::default(), view: &view };
+    let shot = Shot { light: &light, order, eye: camera.eye.to_array(), evaluation: Evaluation::Direct, view: &view };
     shading::shade(&drawing, &shot, backend)
 }
 

@@ -42,8 +42,8 @@ pub(crate) struct Arguments {
     rays: usize,
     #[command(flatten)]
     motion: MotionArguments,
-    /// How lobes are lit: from a table of the light of this size, or direct, which is exact and slower
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "64x32", value_parser = arguments::evaluation)]
+    /// How lobes are lit: direct, which is exact, or from a table of the light of this size, like the paper's 64x32
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "direct", value_parser = arguments::evaluation)]
     table: Evaluation,
     #[command(flatten)]
     camera: CameraArguments,

@@ -95,7 +95,7 @@ fn deformation(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
         settings.motion = Motion::default();
         settings.plays = false;
     }
-    ui.checkbox(&mut settings.is_direct, "Light lobes without the table");
+    ui.checkbox(&mut settings.uses_table, "Light lobes from a table");
 }
 
 /// The clip that plays, and the time in it.

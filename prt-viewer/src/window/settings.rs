@@ -26,8 +26,8 @@ pub(super) struct Settings {
     pub(super) motion: Motion,
     /// Time goes on: the clip plays, or the wave travels.
     pub(super) plays: bool,
-    /// Light lobes from all basis functions instead of the table.
-    pub(super) is_direct: bool,
+    /// Light lobes from the paper's table instead of all basis functions.
+    pub(super) uses_table: bool,
     /// Show a coefficient of the transfer instead of shading.
     pub(super) shows_transfer: bool,
     /// Which coefficient.
@@ -48,7 +48,7 @@ impl Settings {
             part: Part::Full,
             motion: Motion::default(),
             plays: false,
-            is_direct: false,
+            uses_table: false,
             shows_transfer: false,
             coefficient: 0,
             shows_environment: true,
@@ -62,7 +62,7 @@ impl Settings {
     }
 
     pub(super) fn evaluation(&self) -> Evaluation {
-        if self.is_direct { Evaluation::Direct } else { Evaluation::default() }
+        if self.uses_table { Evaluation::default() } else { Evaluation::Direct }
     }
 
     /// Lets time go on: the clip plays at its own speed, and the wave travels once along its length in four seconds.

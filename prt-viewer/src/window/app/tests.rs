@@ -234,7 +234,7 @@ fn lobes_follow_the_sliders_and_time() {
 
     harness.get_by_label("Lobes").click();
     assert!(difference(&twisted, &picture(harness)) < 0.01);
-    harness.state_mut().settings.is_direct = true;
+    harness.state_mut().settings.uses_table = true;
     assert!(difference(&twisted, &picture(harness)) < 0.5, "the table is near");
 
     harness.state_mut().settings.motion = Motion::default();
