@@ -284,7 +284,10 @@ impl Model {
             }
             Content::Textured(textured) => {
                 let ZonalTexture { transfer, normals, .. } = &textured.texture;
-                lobes_of(part, transfer, normals).map(PartTransfer::Textured)
+                // Unshadowed lobes are about the normals, which are smooth.
+                let is_coherent = textured.texture.is_coherent || part == Part::Unshadowed;
+                let transfer = lobes_of(part, transfer, normals)?;
+                Ok(PartTransfer::Textured { transfer, is_coherent })
             }
         }
     }
@@ -322,6 +325,7 @@ impl Model {
         let options = BakeOptions {
             order: self.order(),
             rays_per_vertex: rays,
+            shadowed: metadata.shadowed,
             bounces: metadata.bounces,
             seed: metadata.seed,
             ..BakeOptions::default()

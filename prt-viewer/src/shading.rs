@@ -72,8 +72,8 @@ pub(crate) enum PartTransfer<'a> {
     Vectors(Cow<'a, TransferVectors>),
     /// At each vertex, turned by frames.
     Lobes(Cow<'a, ZonalTransfer>),
-    /// At each texel, turned by frames.
-    Textured(Cow<'a, ZonalTransfer>),
+    /// At each texel, turned by frames. Lobes of neighbours that are coherent are interpolated.
+    Textured { transfer: Cow<'a, ZonalTransfer>, is_coherent: bool },
 }
 
 /// Everything that a picture needs but the light and the view.
@@ -107,15 +107,12 @@ impl<'a> Drawing<'a> {
                 let surface = LobeSurface::new(positions, triangles, albedo, lobes::shaded(transfer)?)?;
                 Ok(Self::Lobes { surface, frames })
             }
-            PartTransfer::Textured(transfer) => {
+            PartTransfer::Textured { transfer, is_coherent } => {
                 let Content::Textured(textured) = &model.content else { unreachable!("only textures have texels") };
                 let texture = &textured.texture;
-                let is_unshadowed = matches!(transfer, Cow::Owned(_));
-                // Unshadowed lobes are about the normals, which are smooth.
-                let is_coherent = texture.is_coherent || is_unshadowed;
                 let texture = LobeTexture::new(texture.width, texture.height, None, lobes::shaded(transfer)?)?
                     .with_normals(&texture.normals)?;
-                let sampling = if is_coherent { LobeSampling::Bilinear } else { LobeSampling::PointLobes };
+                let sampling = if *is_coherent { LobeSampling::Bilinear } else { LobeSampling::PointLobes };
                 let uvs = uvs.as_deref().unwrap_or_default();
                 let surface = TexturedSurface::new(positions, triangles, uvs, albedo, texture)?
                     .with_repeat(textured.repeat.map(|tiles| tiles as f32))?;

@@ -98,6 +98,17 @@ fn lobes_follow_a_deformation_and_are_nearer_to_ray_tracing_than_those_that_do_n
     assert!(distance(&rest, &vectors) < 0.03, "at rest lobes are the transfer that they were fitted to");
 }
 
+/// What was baked without shadows is traced without them.
+#[test]
+fn unshadowed_lobes_are_their_own_truth() {
+    let place = Place::new();
+    place.bake_scene(&["--unshadowed"]);
+    place.json(&["fit", "scene.prt", "-o", "lobes.prt", "--lobes", "1"]);
+    let [lobes, traced] =
+        ["full", "traced"].map(|part| render(&place, part, &["lobes.prt", "--twist", "90", "--part", part]));
+    assert!(distance(&lobes, &traced) < 1e-3, "{}", distance(&lobes, &traced));
+}
+
 #[test]
 fn the_table_of_the_light_costs_little_accuracy() {
     let place = Place::new();

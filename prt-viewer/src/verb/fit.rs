@@ -290,11 +290,12 @@ fn summary(report: &Report) -> String {
         None => String::new(),
     };
     format!(
-        "{} vertices, order {}: {} lobes, error {:.2} % (median vertex {:.2} %, worst {:.1} %){between}{skipped}\n\
+        "{} vertices, order {}: {} lobe{}, error {:.2} % (median vertex {:.2} %, worst {:.1} %){between}{skipped}\n\
          {} iterations from {} starts in {:.2} s\nwrote {} ({}) after {:.2} s",
         output::count(report.vertices as u64),
         report.order,
         report.lobes,
+        if report.lobes == 1 { "" } else { "s" },
         100.0 * report.relative_error,
         100.0 * report.errors.median,
         100.0 * report.errors.max,
