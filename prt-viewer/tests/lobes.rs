@@ -148,6 +148,15 @@ fn an_image_is_a_height_field() {
     assert!(number(&report, "/occluded_share") > 0.02, "the steps hide the sky from one another: {report}");
     assert!(number(&report, "/bounce_energy/0") > 0.001);
     assert_eq!(place.files(), ["steps.png", "steps.prt"], "the default name is that of the image");
+
+    // Wide images stay wide, and large ones are made smaller.
+    for (size, texels) in [([32, 8], [32.0, 8.0]), ([160, 40], [64.0, 16.0])] {
+        let [width, height] = size;
+        let pixels = vec![[0.5; 3]; width * height];
+        prt_bake::Image { width, height, pixels }.save(&place.path("wide.png")).unwrap();
+        let report = place.json(&["bake", "wide.png", "--rays", "16", "--order", "2"]);
+        assert_eq!([number(&report, "/width"), number(&report, "/height")], texels);
+    }
 }
 
 /// A ridge along the upper edge of an image is at the upper edge of what it is laid over, whichever way its texture coordinates run.

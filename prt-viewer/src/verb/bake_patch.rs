@@ -25,7 +25,7 @@ pub(crate) struct PatchArguments {
     /// Height of the highest point, in units of the tile's width
     #[arg(long, value_name = "HEIGHT", value_parser = arguments::relief)]
     height: Option<f32>,
-    /// Texels of the result; by default 64x64 for the built-in patterns, and at most that for an image
+    /// Texels of the result; by default 64x64 for the built-in patterns, and as many as an image has, up to 64 on its longer side
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = arguments::size)]
     texels: Option<arguments::Size>,
     /// Scattering coefficient per tile width: makes the patch translucent
@@ -116,11 +116,12 @@ impl Origin {
         let size = arguments.texels.map(|size| [size.width as usize, size.height as usize]);
         match self {
             Self::Image(path) => {
-                if looks_like_normals(&Image::load(path)?) {
+                let image = Image::load(path)?;
+                if looks_like_normals(&image) {
                     output::note(format_args!("{} looks like a map of normals, not of heights", path.display()));
                 }
                 let height = arguments.height.unwrap_or(Pattern::HEIGHT);
-                Ok(HeightField::from_image(path, height, size.or(Some([Pattern::SIZE; 2])))?)
+                Ok(HeightField::from_image(path, height, Some(size.unwrap_or_else(|| default_texels(&image))))?)
             }
             Self::Pattern(pattern) => {
                 let [width, height] = size.unwrap_or([Pattern::SIZE; 2]);
@@ -136,6 +137,13 @@ impl Origin {
             Self::Pattern(_) => Ok(None),
         }
     }
+}
+
+/// The size of an image, or a smaller one of the same shape.
+fn default_texels(image: &Image) -> [usize; 2] {
+    let sides = [image.width, image.height];
+    let longest = image.width.max(image.height);
+    if longest <= Pattern::SIZE { sides } else { sides.map(|side| (side * Pattern::SIZE / longest).max(1)) }
 }
 
 /// Whether an image is mostly the light blue of normals that point out of a surface.
