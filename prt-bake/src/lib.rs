@@ -41,7 +41,7 @@ mod transfer;
 mod zonal;
 
 #[cfg(feature = "trace")]
-pub use diffuse::{BakeReport, bake_diffuse};
+pub use diffuse::{BakeReport, VertexStats, bake_diffuse};
 pub use environment::Environment;
 pub use error::Error;
 pub use file::{

@@ -1,6 +1,6 @@
 //! Light that arrives after reflections, pass by pass.
 
-use super::direct::HitRecord;
+use super::HitRecord;
 use crate::parallel::Threads;
 use crate::{Error, Progress, TransferVectors};
 
@@ -55,7 +55,7 @@ impl<'a> Bounces<'a> {
     fn gather(&self, hits: &[HitRecord], sum: &mut [f64]) {
         sum.fill(0.0);
         for hit in hits {
-            let triangle = self.triangles[hit.triangle as usize];
+            let triangle = self.triangles[hit.triangle() as usize];
             let weights = hit.corner_weights().map(|weight| (weight * f64::from(hit.weight)) as f32);
             let rows = triangle.map(|vertex| &self.outgoing.values[vertex as usize * sum.len()..][..sum.len()]);
             add_interpolated(sum, rows, weights);

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::{HitRecord, VertexStats};
 use crate::Scene;
 use crate::sampling::{DirectionSet, PACKET_SIZE};
 use crate::scene::{Hits, Packet, Stack};
@@ -17,16 +18,6 @@ pub(super) struct DirectPass<'a> {
     pub(super) origins: &'a [Vec3],
 }
 
-/// A point that light may come from after a reflection.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct HitRecord {
-    pub(super) triangle: u32,
-    /// Weights of the second and the third corner, in units of 1/65535.
-    pub(super) barycentric: [u16; 2],
-    /// `max(n·s, 0) Δω / π` of the ray that found it; see `Scratch::solid_angle`.
-    pub(super) weight: f32,
-}
-
 /// Memory that a thread uses again for each vertex.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
@@ -35,6 +26,8 @@ pub(super) struct Scratch {
     solid_angle: f64,
     /// The sum, `[n²]`.
     vector: Vec<f64>,
+    /// For each packet of directions the rays above the horizon.
+    above: Vec<u64>,
     /// For each packet of directions the rays above the horizon that were found to be occluded.
     occluded: Vec<u64>,
     stack: Stack,
@@ -47,11 +40,10 @@ impl DirectPass<'_> {
         Scratch { vector: vec![0.0; coeff_count], ..Scratch::default() }
     }
 
-    /// The shadowed transfer vector of a vertex: the unshadowed one less the occluded directions. Returns the rays traced and how
-    /// many were occluded.
-    pub(super) fn shadowed_vector(&self, scratch: &mut Scratch, vertex: usize, out: &mut [f32]) -> (u64, u64) {
+    /// The shadowed transfer vector of a vertex: the unshadowed one less the occluded directions.
+    pub(super) fn shadowed_vector(&self, scratch: &mut Scratch, vertex: usize, out: &mut [f32]) -> VertexStats {
         let normal = Vec3::from_array(self.normals[vertex]);
-        let rays = self.trace(scratch, vertex);
+        let stats = self.trace(scratch, vertex);
         let order = self.directions.order;
         unshadowed_vector(order, self.normals[vertex], &mut scratch.vector);
         for ray in set_bits(&scratch.occluded) {
@@ -59,35 +51,33 @@ impl DirectPass<'_> {
             add_scaled(&mut scratch.vector, row, -scratch.solid_angle * self.cosine(normal, ray));
         }
         out.iter_mut().zip(&scratch.vector).for_each(|(value, &sum)| *value = sum as f32);
-        (rays, scratch.occluded.iter().map(|packet| u64::from(packet.count_ones())).sum())
+        stats
     }
 
     fn cosine(&self, normal: Vec3, ray: usize) -> f64 {
         f64::from(normal.dot(self.directions.directions[ray]).max(0.0))
     }
 
-    /// Finds the occluded directions above the horizon of a vertex; returns the number of rays.
-    fn trace(&self, scratch: &mut Scratch, vertex: usize) -> u64 {
+    /// Finds the occluded directions above the horizon of a vertex.
+    fn trace(&self, scratch: &mut Scratch, vertex: usize) -> VertexStats {
         let normal = Vec3::from_array(self.normals[vertex]);
-        scratch.occluded.clear();
-        let (mut rays, mut cosines) = (0, 0.0);
-        for (directions, packet) in self.directions.directions.chunks(PACKET_SIZE).zip(&self.directions.packets) {
+        scratch.above.clear();
+        let mut cosines = 0.0;
+        for directions in self.directions.directions.chunks(PACKET_SIZE) {
             let (above, cosine_sum) = above_horizon(normal, directions);
             cosines += f64::from(cosine_sum);
-            rays += u64::from(above.count_ones());
-            let occluded = match above {
-                0 => 0,
-                _ => self.scene.occluded_packet(self.origins[vertex], packet, above, &mut scratch.stack),
-            };
-            scratch.occluded.push(occluded);
+            scratch.above.push(above);
         }
         scratch.solid_angle = 1.0 / cosines;
-        rays
+        let (origin, above) = (self.origins[vertex], &scratch.above);
+        let rays =
+            self.scene.occluded_directions(origin, self.directions, above, &mut scratch.stack, &mut scratch.occluded);
+        VertexStats { directions: bits(above), occluded: bits(&scratch.occluded), rays, ..VertexStats::default() }
     }
 
     /// The nearest hits along the directions that `shadowed_vector` has just found occluded; returns the number of rays. Hits on the
     /// back of a face are left out: they reflect nothing.
-    pub(super) fn nearest_hits(&self, scratch: &mut Scratch, vertex: usize, records: &mut Vec<HitRecord>) -> u64 {
+    pub(super) fn nearest_hits(&self, scratch: &mut Scratch, vertex: usize, records: &mut Vec<HitRecord>) -> u32 {
         let normal = Vec3::from_array(self.normals[vertex]);
         let mut rays = 0;
         for (number, packet) in self.directions.packets.iter().enumerate() {
@@ -95,7 +85,7 @@ impl DirectPass<'_> {
             if occluded == 0 {
                 continue;
             }
-            rays += u64::from(occluded.count_ones());
+            rays += occluded.count_ones();
             self.scene.closest_packet(self.origins[vertex], packet, occluded, &mut scratch.hits, &mut scratch.stack);
             for lane in set_bits(&[occluded]) {
                 let weight = scratch.solid_angle * self.cosine(normal, number * Packet::SIZE + lane);
@@ -105,23 +95,6 @@ impl DirectPass<'_> {
         }
         records.shrink_to_fit();
         rays
-    }
-}
-
-impl HitRecord {
-    pub(crate) fn new(triangle: u32, barycentric: [f32; 2], weight: f32) -> Self {
-        let quantized = barycentric.map(|weight| (weight.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16);
-        Self { triangle, barycentric: quantized, weight }
-    }
-
-    pub(crate) fn triangle(&self) -> u32 {
-        self.triangle
-    }
-
-    /// Weights of the three corners.
-    pub(crate) fn corner_weights(&self) -> [f64; 3] {
-        let [b, c] = self.barycentric.map(|weight| f64::from(weight) / f64::from(u16::MAX));
-        [1.0 - b - c, b, c]
     }
 }
 
@@ -135,6 +108,11 @@ fn above_horizon(normal: Vec3, directions: &[Vec3]) -> (u64, f32) {
         sum += cosine.max(0.0);
     }
     (above, sum)
+}
+
+/// How many bits are set.
+fn bits(words: &[u64]) -> u32 {
+    words.iter().map(|word| word.count_ones()).sum()
 }
 
 /// The numbers of the bits that are set.

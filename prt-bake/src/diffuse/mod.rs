@@ -4,7 +4,9 @@
 
 mod bounce;
 mod direct;
+mod hit;
 mod origin;
+mod stats;
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +15,9 @@ use crate::sampling::DirectionSet;
 use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Pass, Progress, Scene, TransferVectors};
 pub(crate) use bounce::Bounces;
 use direct::DirectPass;
-pub(crate) use direct::{HitRecord, add_scaled};
+pub(crate) use direct::add_scaled;
+pub(crate) use hit::HitRecord;
+pub use stats::VertexStats;
 
 /// What a bake did.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,6 +36,8 @@ pub struct BakeReport {
     pub error: Option<f64>,
     /// Mean length of what each bounce added, relative to the direct transfer.
     pub bounce_energy: Vec<f64>,
+    /// What was found at each vertex; empty where no ray was traced.
+    pub vertices: Vec<VertexStats>,
 }
 
 /// Bakes diffuse transfer for every vertex of a mesh.
@@ -102,24 +108,24 @@ fn shadowed(
     let mut transfer = TransferVectors::zero(direct.normals.len(), 1, options.order);
     let mut hits = vec![Vec::new(); direct.normals.len()];
     let rows = transfer.values.chunks_exact_mut(options.order.coeff_count());
-    let mut items: Vec<_> = rows.zip(&mut hits).map(|(row, hits)| (row, hits, 0, 0)).collect();
+    let mut items: Vec<_> = rows.zip(&mut hits).map(|(row, hits)| (row, hits, VertexStats::default())).collect();
     progress.start(Pass::Direct, items.len());
     threads.for_each(
         &mut items,
         progress,
         || direct.scratch(),
-        |scratch, vertex, (row, hits, rays, occluded)| {
-            (*rays, *occluded) = direct.shadowed_vector(scratch, vertex, row);
+        |scratch, vertex, (row, hits, stats)| {
+            *stats = direct.shadowed_vector(scratch, vertex, row);
             if options.bounces > 0 {
-                *rays += direct.nearest_hits(scratch, vertex, hits);
+                stats.rays += direct.nearest_hits(scratch, vertex, hits);
             }
-            *rays
+            u64::from(stats.rays)
         },
     )?;
-    let occluded: u64 = items.iter().map(|(.., occluded)| occluded).sum();
-    report.rays_traced = items.iter().map(|(_, _, rays, _)| rays).sum();
-    let towards_light = report.rays_traced - if options.bounces > 0 { occluded } else { 0 };
-    report.occluded_share = occluded as f64 / (towards_light as f64).max(1.0);
+    report.vertices = items.into_iter().map(|(.., stats)| stats).collect();
+    let sum = |count: fn(&VertexStats) -> u32| report.vertices.iter().map(|stats| u64::from(count(stats))).sum::<u64>();
+    report.rays_traced = sum(|stats| stats.rays);
+    report.occluded_share = sum(|stats| stats.occluded) as f64 / (sum(|stats| stats.directions) as f64).max(1.0);
     Ok((transfer, hits))
 }
 

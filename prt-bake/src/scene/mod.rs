@@ -8,6 +8,7 @@ use obvhs::triangle::Triangle;
 use obvhs::{BvhBuildParams, bvh2::Bvh2};
 
 use crate::Mesh;
+use crate::sampling::DirectionSet;
 pub(crate) use packet::{Hits, Packet, Stack};
 
 /// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
@@ -101,6 +102,24 @@ impl Scene {
             self.closest_packet(origin, &packet, packet.all(), &mut found, &mut Stack::default());
             answers.iter_mut().enumerate().for_each(|(lane, answer)| *answer = self.hit(&found, lane));
         }
+    }
+
+    /// Of the `directions` whose bit is set in `above` (one word for each packet), those that meet anything from `origin`. `occluded`
+    /// is overwritten. Returns the number of rays that were traced one by one.
+    pub(crate) fn occluded_directions(
+        &self,
+        origin: Vec3,
+        directions: &DirectionSet,
+        above: &[u64],
+        stack: &mut Stack,
+        occluded: &mut Vec<u64>,
+    ) -> u32 {
+        occluded.clear();
+        occluded.extend(directions.packets.iter().zip(above).map(|(packet, &rays)| match rays {
+            0 => 0,
+            _ => self.occluded_packet(origin, packet, rays, stack),
+        }));
+        above.iter().map(|rays| rays.count_ones()).sum()
     }
 
     /// Of the rays of `packet` whose bit is set in `rays`, those that meet anything.
