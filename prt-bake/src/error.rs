@@ -78,6 +78,23 @@ pub enum Error {
     /// A setting is out of its range.
     #[error("invalid option: {0}")]
     Option(String),
+    /// There is the journal of a bake that did not come to its end.
+    #[error("{} holds an unfinished bake, which would be lost; resume it, or discard it", path.display())]
+    Unfinished {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// A journal or a part belongs to another bake.
+    #[error("{} is of another bake: {difference}", path.display())]
+    OtherBake {
+        /// The journal or the part.
+        path: PathBuf,
+        /// What is not the same.
+        difference: String,
+    },
+    /// Parts do not make a whole.
+    #[error("cannot merge: {0}")]
+    Parts(String),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -23,8 +23,11 @@ mod environment;
 mod error;
 mod file;
 mod geometry;
+mod hash;
 mod image;
 mod input;
+#[cfg(feature = "trace")]
+mod job;
 mod load;
 mod mesh;
 mod options;
@@ -49,6 +52,8 @@ pub use file::{
 };
 pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};
+#[cfg(feature = "trace")]
+pub use job::{BakeTarget, FileReport, Part, Unfinished, bake_to_file, merge_parts};
 pub use load::load_mesh;
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
 pub use options::BakeOptions;

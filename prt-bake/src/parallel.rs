@@ -36,6 +36,37 @@ impl Threads {
         1
     }
 
+    /// Calls `work(scratch, block)` once for each block; it returns the numbers of vertices and of rays that it did.
+    ///
+    /// # Errors
+    /// What `work` returns first, or [`Error::Cancelled`] if the caller asked to stop; then some blocks were not worked on.
+    pub(crate) fn for_each_block<B: Sync, S>(
+        &self,
+        blocks: &[B],
+        progress: &dyn Progress,
+        new_scratch: impl Fn() -> S + Sync + Send,
+        work: impl Fn(&mut S, &B) -> Result<(usize, u64), Error> + Sync + Send,
+    ) -> Result<(), Error> {
+        let do_block = |scratch: &mut S, block: &B| {
+            if progress.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
+            let (vertices, rays) = work(scratch, block)?;
+            progress.advance(vertices, rays);
+            Ok(())
+        };
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            self.pool.install(|| blocks.par_iter().try_for_each_init(new_scratch, do_block))
+        }
+        #[cfg(not(feature = "parallel"))]
+        {
+            let mut scratch = new_scratch();
+            blocks.iter().try_for_each(|block| do_block(&mut scratch, block))
+        }
+    }
+
     /// Calls `work(scratch, number, item)` once for each item; it returns the number of rays that it traced.
     ///
     /// # Errors

@@ -10,17 +10,17 @@ use crate::transfer::unshadowed_vector;
 
 /// All that the rays of one bake share.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct DirectPass<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) directions: &'a DirectionSet,
-    pub(super) normals: &'a [[f32; 3]],
+pub(crate) struct DirectPass<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) directions: &'a DirectionSet,
+    pub(crate) normals: &'a [[f32; 3]],
     /// Origins of the rays, in the frame that is traced in.
-    pub(super) origins: &'a [Vec3],
+    pub(crate) origins: &'a [Vec3],
 }
 
 /// Memory that a thread uses again for each vertex.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     /// `Δω / π`, scaled so that the weights of all rays of the vertex, `max(n·s, 0) Δω / π`, add up to 1. Then a vertex that sees
     /// nothing is black, and none receives more than there is.
     solid_angle: f64,
@@ -35,13 +35,13 @@ pub(super) struct Scratch {
 }
 
 impl DirectPass<'_> {
-    pub(super) fn scratch(&self) -> Scratch {
+    pub(crate) fn scratch(&self) -> Scratch {
         let coeff_count = self.directions.basis.len() / self.directions.directions.len();
         Scratch { vector: vec![0.0; coeff_count], ..Scratch::default() }
     }
 
     /// The shadowed transfer vector of a vertex: the unshadowed one less the occluded directions.
-    pub(super) fn shadowed_vector(&self, scratch: &mut Scratch, vertex: usize, out: &mut [f32]) -> VertexStats {
+    pub(crate) fn shadowed_vector(&self, scratch: &mut Scratch, vertex: usize, out: &mut [f32]) -> VertexStats {
         let normal = Vec3::from_array(self.normals[vertex]);
         let stats = self.trace(scratch, vertex);
         let order = self.directions.order;
@@ -77,7 +77,7 @@ impl DirectPass<'_> {
 
     /// The nearest hits along the directions that `shadowed_vector` has just found occluded; returns the number of rays. Hits on the
     /// back of a face are left out: they reflect nothing.
-    pub(super) fn nearest_hits(&self, scratch: &mut Scratch, vertex: usize, records: &mut Vec<HitRecord>) -> u32 {
+    pub(crate) fn nearest_hits(&self, scratch: &mut Scratch, vertex: usize, records: &mut Vec<HitRecord>) -> u32 {
         let normal = Vec3::from_array(self.normals[vertex]);
         let mut rays = 0;
         for (number, packet) in self.directions.packets.iter().enumerate() {

@@ -11,6 +11,24 @@ pub(crate) struct HitRecord {
 }
 
 impl HitRecord {
+    /// Bytes of a record in a journal.
+    pub(crate) const SIZE: usize = 12;
+
+    pub(crate) fn to_bytes(self) -> [u8; Self::SIZE] {
+        let [a, b, c, d] = self.triangle.to_le_bytes();
+        let [[e, f], [g, h]] = self.barycentric.map(u16::to_le_bytes);
+        let [i, j, k, l] = self.weight.to_le_bytes();
+        [a, b, c, d, e, f, g, h, i, j, k, l]
+    }
+
+    pub(crate) fn from_bytes(&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; Self::SIZE]) -> Self {
+        Self {
+            triangle: u32::from_le_bytes([a, b, c, d]),
+            barycentric: [u16::from_le_bytes([e, f]), u16::from_le_bytes([g, h])],
+            weight: f32::from_le_bytes([i, j, k, l]),
+        }
+    }
+
     pub(crate) fn new(triangle: u32, barycentric: [f32; 2], weight: f32) -> Self {
         let quantized = barycentric.map(|weight| (weight.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16);
         Self { triangle, barycentric: quantized, weight }

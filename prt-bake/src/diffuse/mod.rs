@@ -6,24 +6,26 @@ mod bounce;
 mod direct;
 mod hit;
 mod origin;
+mod probe;
 mod stats;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::parallel::Threads;
-use crate::sampling::DirectionSet;
-use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Pass, Progress, Scene, TransferVectors};
-pub(crate) use bounce::Bounces;
-use direct::DirectPass;
-pub(crate) use direct::add_scaled;
+use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, TransferVectors};
+pub(crate) use bounce::Reflection;
+pub(crate) use direct::{DirectPass, Scratch, add_scaled};
 pub(crate) use hit::HitRecord;
+pub(crate) use origin::ray_origins;
+pub(crate) use probe::ErrorProbe;
 pub use stats::VertexStats;
 
 /// What a bake did.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BakeReport {
-    /// Rays traced, for shadows and for interreflection.
+    /// Rays traced, for shadows and for interreflection, in all runs of the bake.
     pub rays_traced: u64,
+    /// Vertices that an earlier run had traced from.
+    pub vertices_resumed: usize,
     /// Share of the rays towards the light that met something.
     pub occluded_share: f64,
     /// Time to build the tree and the set of directions.
@@ -57,118 +59,19 @@ pub fn bake_diffuse(
     progress: &dyn Progress,
 ) -> Result<(BakedSurface, BakeReport), Error> {
     options.validate()?;
-    let mut report = BakeReport::default();
     if !options.shadowed {
-        return Ok((surface(mesh, options, TransferVectors::unshadowed(options.order, mesh.normals())), report));
+        return Ok((unshadowed(mesh, options), BakeReport::default()));
     }
-    let start = Instant::now();
-    let threads = Threads::new(options.threads)?;
-    let scene = Scene::new(mesh);
-    let origins = origin::ray_origins(mesh, &scene);
-    let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
-    report.build = start.elapsed();
-    report.threads = threads.count();
-
-    let start = Instant::now();
-    let direct = DirectPass { scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
-    let (shadowed, hits) = shadowed(&direct, options, &threads, progress, &mut report)?;
-    report.error = Some(estimate_error(&direct, options, &shadowed));
-    let mut baked = surface(mesh, options, shadowed);
-    if options.bounces > 0 {
-        interreflect(mesh, options, &hits, &mut baked, &threads, progress, &mut report)?;
-    }
-    report.trace = start.elapsed();
-    baked.metadata.error = report.error;
-    Ok((baked, report))
+    crate::job::bake_in_memory(mesh, options, progress)
 }
 
-fn surface(mesh: &Mesh, options: &BakeOptions, transfer: TransferVectors) -> BakedSurface {
+fn unshadowed(mesh: &Mesh, options: &BakeOptions) -> BakedSurface {
     BakedSurface {
-        metadata: Metadata {
-            rays: if options.shadowed { options.rays_per_vertex } else { 0 },
-            bounces: options.bounces,
-            seed: options.seed,
-            shadowed: options.shadowed,
-            ..Metadata::default()
-        },
+        metadata: Metadata { seed: options.seed, ..Metadata::default() },
         geometry: Geometry::of(mesh),
-        transfer,
+        transfer: TransferVectors::unshadowed(options.order, mesh.normals()),
         transfer_shadowed: None,
     }
-}
-
-/// Traces towards the light from every vertex; remembers the hits if light is to be reflected.
-fn shadowed(
-    direct: &DirectPass,
-    options: &BakeOptions,
-    threads: &Threads,
-    progress: &dyn Progress,
-    report: &mut BakeReport,
-) -> Result<(TransferVectors, Vec<Vec<HitRecord>>), Error> {
-    let mut transfer = TransferVectors::zero(direct.normals.len(), 1, options.order);
-    let mut hits = vec![Vec::new(); direct.normals.len()];
-    let rows = transfer.values.chunks_exact_mut(options.order.coeff_count());
-    let mut items: Vec<_> = rows.zip(&mut hits).map(|(row, hits)| (row, hits, VertexStats::default())).collect();
-    progress.start(Pass::Direct, items.len());
-    threads.for_each(
-        &mut items,
-        progress,
-        || direct.scratch(),
-        |scratch, vertex, (row, hits, stats)| {
-            *stats = direct.shadowed_vector(scratch, vertex, row);
-            if options.bounces > 0 {
-                stats.rays += direct.nearest_hits(scratch, vertex, hits);
-            }
-            u64::from(stats.rays)
-        },
-    )?;
-    report.vertices = items.into_iter().map(|(.., stats)| stats).collect();
-    let sum = |count: fn(&VertexStats) -> u32| report.vertices.iter().map(|stats| u64::from(count(stats))).sum::<u64>();
-    report.rays_traced = sum(|stats| stats.rays);
-    report.occluded_share = sum(|stats| stats.occluded) as f64 / (sum(|stats| stats.directions) as f64).max(1.0);
-    Ok((transfer, hits))
-}
-
-/// Adds the bounces to a surface that holds direct transfer.
-fn interreflect(
-    mesh: &Mesh,
-    options: &BakeOptions,
-    hits: &[Vec<HitRecord>],
-    baked: &mut BakedSurface,
-    threads: &Threads,
-    progress: &dyn Progress,
-    report: &mut BakeReport,
-) -> Result<(), Error> {
-    let mut bounces = Bounces::new(mesh.triangles(), mesh.albedo(), &baked.transfer);
-    for bounce in 1..=options.bounces {
-        progress.start(Pass::Bounce(bounce), mesh.positions().len());
-        report.bounce_energy.push(bounces.next(hits, threads, progress)?);
-    }
-    let shadowed = std::mem::replace(&mut baked.transfer, bounces.into_total());
-    baked.transfer_shadowed = options.keep_shadowed.then_some(shadowed);
-    Ok(())
-}
-
-/// Vertices at which the error is estimated.
-const ERROR_SAMPLES: usize = 64;
-
-/// Bakes some vertices again with another rotation of the directions. Two independent results differ by √2 times the error of one.
-fn estimate_error(direct: &DirectPass, options: &BakeOptions, transfer: &TransferVectors) -> f64 {
-    let seed = options.seed.wrapping_add(0x5bd1_e995);
-    let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, seed);
-    let again = DirectPass { directions: &directions, ..*direct };
-    let mut scratch = again.scratch();
-    let mut row = vec![0.0; options.order.coeff_count()];
-    let mut unshadowed = vec![0.0; options.order.coeff_count()];
-    let (mut difference, mut signal) = (0.0, 0.0);
-    let vertex_count = direct.normals.len();
-    for vertex in (0..vertex_count).step_by(vertex_count.div_ceil(ERROR_SAMPLES)) {
-        again.shadowed_vector(&mut scratch, vertex, &mut row);
-        crate::transfer::unshadowed_vector(options.order, direct.normals[vertex], &mut unshadowed);
-        difference += row.iter().zip(transfer.vector(vertex, 0)).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
-        signal += unshadowed.iter().map(|value| value * value).sum::<f64>();
-    }
-    (0.5 * difference / signal).sqrt()
 }
 
 #[cfg(test)]

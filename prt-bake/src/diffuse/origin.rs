@@ -14,7 +14,7 @@ const OFFSET: f64 = 1e-5;
 const INSET: f64 = 0.5 * OFFSET;
 
 /// For each vertex the origin of its rays, in the frame that the scene is traced in.
-pub(super) fn ray_origins(mesh: &Mesh, scene: &Scene) -> Vec<Vec3> {
+pub(crate) fn ray_origins(mesh: &Mesh, scene: &Scene) -> Vec<Vec3> {
     let fans = Fan::of_vertices(mesh);
     let positions = mesh.positions().iter().map(|&position| scene.to_unit_cube(DVec3::from_array(position)));
     let offsets = fans.iter().zip(mesh.normals()).map(|(fan, &normal)| fan.offset(Vec3::from_array(normal).as_dvec3()));

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use sh_core::Order;
 
 use super::*;
-use crate::{MeshOptions, MeshSource};
+use crate::{MeshOptions, MeshSource, Pass};
 
 /// Two squares of side `2 half`, one above the other at distance `gap`, facing each other; each of `cells²` cells.
 fn facing_plates(half: f64, gap: f64, cells: u32) -> Mesh {

@@ -44,6 +44,8 @@ pub struct Metadata {
     /// Estimated error of the shadowed transfer vectors: root mean square of their error over root mean square of the unshadowed
     /// vectors' length, from baking some vertices twice with different directions. It does not contain the error of bounces.
     pub error: Option<f64>,
+    /// SHA-256, in hexadecimal, of the mesh and the options that it was baked with: equal for equal bakes.
+    pub identity: Option<String>,
     /// Error of zonal lobes: root mean square of what they leave over root mean square of the vectors that they were fitted to.
     pub fit_error: Option<f64>,
 }

@@ -143,6 +143,7 @@ fn metadata(map: &BTreeMap<String, String>) -> Result<Metadata, Reason> {
         seed: number(map, "seed")?,
         shadowed: number(map, "shadowed")?,
         source: map.get("source").and_then(|text| source(text)),
+        identity: map.get("identity").cloned(),
         error: error(map, "error")?,
         fit_error: error(map, "fit_error")?,
     })

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{BakedFile, Metadata, VERTEX_TRANSFER, write};
+use super::{BakedFile, Metadata, VERTEX_TRANSFER, malformed, read, write};
 use crate::{Error, Geometry, TransferVectors};
 
 /// A surface with its baked transfer: all that shading needs, and how it was made.
@@ -40,16 +40,37 @@ impl BakedSurface {
         }
     }
 
+    /// As [`BakedSurface::read`], from the content of a file, or of a part of the file `path`.
+    #[cfg(feature = "trace")]
+    pub(crate) fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, Error> {
+        match read::file(bytes).map_err(|reason| malformed(path, reason))? {
+            BakedFile::Vectors(surface) => Ok(surface),
+            other => Err(other.unexpected(path, VERTEX_TRANSFER)),
+        }
+    }
+
+    /// The content of the file that [`BakedSurface::write`] makes.
+    #[cfg(feature = "trace")]
+    pub(crate) fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        self.check()?;
+        Ok(write::surface_bytes(self))
+    }
+
     /// Writes a baked file; returns its size in bytes. The file appears under its name only when it is complete.
     ///
     /// # Errors
     /// If the file cannot be written, or the arrays have different lengths.
     pub fn write(&self, path: &Path) -> Result<u64, Error> {
+        self.check()?;
+        write::surface(self, path)
+    }
+
+    fn check(&self) -> Result<(), Error> {
         self.geometry.check_lengths()?;
         self.geometry.check_count("transfer vectors", self.transfer.vertex_count())?;
         if let Some(shadowed) = &self.transfer_shadowed {
             self.geometry.check_count("shadowed transfer vectors", shadowed.vertex_count())?;
         }
-        write::surface(self, path)
+        Ok(())
     }
 }

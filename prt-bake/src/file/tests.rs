@@ -28,6 +28,7 @@ fn surface() -> BakedSurface {
             seed: u64::MAX,
             shadowed: true,
             source: Some(Source { name: "a b.obj".to_owned(), sha256: "00ff".to_owned() }),
+            identity: Some("12ab".to_owned()),
             error: Some(0.001_25),
             fit_error: None,
         },

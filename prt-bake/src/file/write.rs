@@ -51,13 +51,27 @@ impl Values<'_> {
 }
 
 pub(super) fn surface(surface: &BakedSurface, path: &Path) -> Result<u64, Error> {
+    let (metadata, tensors) = surface_parts(surface);
+    write(path, &metadata, &tensors)
+}
+
+/// The bytes that the file would have.
+#[cfg(feature = "trace")]
+pub(super) fn surface_bytes(surface: &BakedSurface) -> Vec<u8> {
+    let (metadata, tensors) = surface_parts(surface);
+    let mut bytes = Vec::new();
+    put(&header(&metadata, &tensors), &tensors, &mut bytes).expect("memory takes everything");
+    bytes
+}
+
+fn surface_parts(surface: &BakedSurface) -> (BTreeMap<&'static str, String>, Vec<Tensor<'_>>) {
     let mut tensors = geometry(&surface.geometry);
     let transfers = [("transfer", Some(&surface.transfer)), ("transfer_shadowed", surface.transfer_shadowed.as_ref())];
     for (name, transfer) in transfers.into_iter().filter_map(|(name, transfer)| Some((name, transfer?))) {
         let shape = vec![surface.geometry.vertex_count(), transfer.channels, transfer.order.coeff_count()];
         tensors.push(Tensor { name, shape, values: Values::F32(&transfer.values) });
     }
-    write(path, &metadata(&surface.metadata, VERTEX_TRANSFER, surface.transfer.order), &tensors)
+    (metadata(&surface.metadata, VERTEX_TRANSFER, surface.transfer.order), tensors)
 }
 
 pub(super) fn zonal_surface(surface: &ZonalSurface, path: &Path) -> Result<u64, Error> {
@@ -84,12 +98,16 @@ fn write(path: &Path, metadata: &BTreeMap<&str, String>, tensors: &[Tensor]) -> 
     let size = 8 + header.len() + tensors.iter().map(|tensor| tensor.values.byte_count()).sum::<usize>();
     write_atomically(path, |file| {
         let mut out = io::BufWriter::with_capacity(1 << 20, file);
-        out.write_all(&(header.len() as u64).to_le_bytes())?;
-        out.write_all(header.as_bytes())?;
-        tensors.iter().try_for_each(|tensor| tensor.values.write(&mut out))?;
+        put(&header, tensors, &mut out)?;
         out.flush()
     })?;
     Ok(size as u64)
+}
+
+fn put(header: &str, tensors: &[Tensor], out: &mut impl Write) -> io::Result<()> {
+    out.write_all(&(header.len() as u64).to_le_bytes())?;
+    out.write_all(header.as_bytes())?;
+    tensors.iter().try_for_each(|tensor| tensor.values.write(out))
 }
 
 fn geometry(geometry: &Geometry) -> Vec<Tensor<'_>> {
@@ -150,6 +168,7 @@ fn metadata(metadata: &Metadata, kind: &str, order: Order) -> BTreeMap<&'static 
     if let Some(source) = &metadata.source {
         map.insert("source", format!("{} sha256:{}", source.name, source.sha256));
     }
+    map.extend(metadata.identity.iter().map(|identity| ("identity", identity.clone())));
     let errors = [("error", metadata.error), ("fit_error", metadata.fit_error)];
     map.extend(errors.into_iter().filter_map(|(name, error)| Some((name, format!("{:e}", error?)))));
     map

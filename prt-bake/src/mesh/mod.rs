@@ -5,6 +5,8 @@ mod normals;
 mod weld;
 
 use crate::Error;
+#[cfg(feature = "trace")]
+use crate::hash::Content;
 
 use weld::weld_positions;
 
@@ -162,6 +164,19 @@ impl Mesh {
             }
         }
         bounds
+    }
+
+    /// SHA-256 of all that is in the mesh, in hexadecimal.
+    #[cfg(feature = "trace")]
+    pub(crate) fn content_hash(&self) -> String {
+        let Self { positions, normals, albedo, uvs, triangles } = self;
+        let mut content = Content::default();
+        content.array(positions.as_flattened(), f64::to_le_bytes);
+        content.array(normals.as_flattened(), f32::to_le_bytes);
+        content.array(albedo.as_flattened(), f32::to_le_bytes);
+        content.array(uvs.as_deref().unwrap_or_default().as_flattened(), f32::to_le_bytes);
+        content.array(triangles.as_flattened(), u32::to_le_bytes);
+        content.finish()
     }
 
     /// Sets one albedo for the whole mesh.

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::surface::{Side, Surface};
+use crate::VertexStats;
 use crate::diffuse::{HitRecord, add_scaled};
 use crate::sampling::DirectionSet;
 use crate::transfer::unshadowed_vector;
@@ -89,6 +90,12 @@ impl Found {
     /// `max(n·s, 0) Δω / π` of a ray, scaled so that those of all rays of the texel add up to 1: a texel that sees nothing is black.
     fn weight(&self, ray: &Occluded) -> f64 {
         f64::from(ray.cosine) / self.cosines
+    }
+
+    /// Rays and how many of them were occluded.
+    pub(super) fn stats(&self) -> VertexStats {
+        let rays = u32::try_from(self.rays).expect("fewer directions than 2^32");
+        VertexStats { directions: rays, rays, occluded: self.occluded.len() as u32, ..VertexStats::default() }
     }
 
     /// Where diffuse light may come from after a reflection.

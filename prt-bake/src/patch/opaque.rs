@@ -5,7 +5,7 @@ use super::direct::{DirectPass, Found};
 use super::field::HeightField;
 use super::options::PatchOptions;
 use super::surface::Surface;
-use crate::diffuse::{Bounces, HitRecord};
+use crate::job::{Blocks, HitLists, Journal, Reflector};
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
 use crate::transfer::unshadowed_vector;
@@ -45,44 +45,50 @@ impl<'a> Opaque<'a> {
         progress: &dyn Progress,
         report: &mut PatchReport,
     ) -> Result<TransferVectors, Error> {
-        let (direct, hits) = self.shadowed(bounces > 0, progress, report)?;
-        if bounces == 0 {
-            return Ok(direct);
-        }
+        let journal = Journal::in_memory();
+        self.trace(bounces > 0, &journal, progress, report)?;
         let triangles = self.field.tile_triangles();
         let albedo = vec![self.options.albedo; self.field.texel_count()];
-        let mut passes = Bounces::new(&triangles, &albedo, &direct);
-        for bounce in 1..=bounces {
-            progress.start(Pass::Bounce(bounce), hits.len());
-            report.bounce_energy.push(passes.next(&hits, &self.threads, progress)?);
-        }
-        Ok(passes.into_total())
+        let reflector = Reflector {
+            journal: &journal,
+            triangles: &triangles,
+            albedo: &albedo,
+            order: self.options.order,
+            bounces,
+            threads: &self.threads,
+        };
+        report.bounce_energy.extend(reflector.reflect(progress)?);
+        reflector.total(bounces)
     }
 
-    /// Direct transfer, and where light may come from after a reflection if that is asked for.
-    fn shadowed(
+    /// Writes down direct transfer, and where light may come from after a reflection if that is asked for.
+    fn trace(
         &self,
         keep_hits: bool,
+        journal: &Journal,
         progress: &dyn Progress,
         report: &mut PatchReport,
-    ) -> Result<(TransferVectors, Vec<Vec<HitRecord>>), Error> {
-        let texels = self.field.texel_count();
+    ) -> Result<(), Error> {
+        let blocks = Blocks::of(self.field.texel_count());
         let pass = self.direct(&self.directions);
-        let mut transfer = TransferVectors::zero(texels, 1, self.options.order);
-        let mut hits = vec![Vec::new(); texels];
-        let rows = transfer.values.chunks_exact_mut(self.options.order.coeff_count());
-        let mut items: Vec<_> = rows.zip(&mut hits).map(|(row, hits)| (row, hits, 0, 0)).collect();
-        progress.start(Pass::Direct, texels);
-        self.threads.for_each(&mut items, progress, Found::default, |found, texel, (row, hits, rays, occluded)| {
-            row.iter_mut().zip(pass.diffuse_vector(texel, found)).for_each(|(value, sum)| *value = sum as f32);
-            if keep_hits {
-                **hits = found.records();
+        progress.start(Pass::Direct, self.field.texel_count());
+        let numbers: Vec<u32> = (0..blocks.count()).collect();
+        self.threads.for_each_block(&numbers, progress, Found::default, |found, &block| {
+            let texels = blocks.vertices(block);
+            let (mut rows, mut hits, mut stats) = (Vec::new(), HitLists::default(), Vec::new());
+            for texel in texels.clone() {
+                rows.extend(pass.diffuse_vector(texel, found).into_iter().map(|sum| sum as f32));
+                hits.push(if keep_hits { found.records() } else { Vec::new() });
+                stats.push(found.stats());
             }
-            (*rays, *occluded) = (found.rays, found.occluded.len() as u64);
-            *rays
+            journal.append_hits(block, &hits)?;
+            journal.append_stats(block, &stats)?;
+            journal.append_rows(0, block, &rows)?;
+            Ok((texels.len(), stats.iter().map(|stats| u64::from(stats.rays)).sum()))
         })?;
-        report.add_rays(items.iter().map(|(_, _, rays, occluded)| (*rays, *occluded)));
-        Ok((transfer, hits))
+        let stats = journal.all_stats(blocks, 0..blocks.count())?;
+        report.add_rays(stats.iter().map(|stats| (u64::from(stats.rays), u64::from(stats.occluded))));
+        Ok(())
     }
 
     /// Bakes some texels twice, with two rotations of the directions: independent results differ by √2 times the error of one.

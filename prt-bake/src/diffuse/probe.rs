@@ -1,0 +1,41 @@
+//! The error of a bake, estimated at some of its vertices.
+
+use super::direct::{DirectPass, Scratch};
+use crate::BakeOptions;
+use crate::sampling::DirectionSet;
+use crate::transfer::unshadowed_vector;
+
+/// Vertices at which the error is estimated.
+const SAMPLES: usize = 64;
+
+/// Bakes some vertices again with another rotation of the directions. Two independent results differ by √2 times the error of one.
+#[derive(Debug)]
+pub(crate) struct ErrorProbe {
+    directions: DirectionSet,
+    /// One vertex out of so many.
+    step: usize,
+}
+
+impl ErrorProbe {
+    pub(crate) fn new(options: &BakeOptions, vertex_count: usize) -> Self {
+        let seed = options.seed.wrapping_add(0x5bd1_e995);
+        let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, seed);
+        Self { directions, step: vertex_count.div_ceil(SAMPLES).max(1) }
+    }
+
+    /// The estimated error of `row`, the shadowed vector of `vertex`, relative to the length of the unshadowed one; NaN if this vertex
+    /// is not one of those at which it is estimated.
+    pub(crate) fn estimate(&self, direct: &DirectPass, scratch: &mut Scratch, vertex: usize, row: &[f32]) -> f32 {
+        if !vertex.is_multiple_of(self.step) {
+            return f32::NAN;
+        }
+        let again = DirectPass { directions: &self.directions, ..*direct };
+        let mut second = vec![0.0; row.len()];
+        again.shadowed_vector(scratch, vertex, &mut second);
+        let mut unshadowed = vec![0.0; row.len()];
+        unshadowed_vector(self.directions.order, direct.normals[vertex], &mut unshadowed);
+        let difference = row.iter().zip(&second).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
+        let signal = unshadowed.iter().map(|value| value * value).sum::<f64>();
+        (0.5 * difference / signal).sqrt() as f32
+    }
+}

@@ -1,0 +1,129 @@
+//! What a journal is for: which mesh, which settings, which part.
+
+use serde::{Deserialize, Serialize};
+use sh_core::Order;
+
+use super::Part;
+use super::journal::{Journal, Key};
+use crate::{BakeOptions, Error, Mesh};
+
+/// Pass under which a journal keeps what is not of a block.
+const ABOUT: u32 = u32::MAX;
+const HEADER: Key = Key { pass: ABOUT, block: 0 };
+/// A baked file without transfer: the surface, so that parts can be merged where the scene is not.
+pub(super) const SURFACE: Key = Key { pass: ABOUT, block: 1 };
+/// Appended when all of a part is done.
+pub(super) const DONE: Key = Key { pass: ABOUT, block: 2 };
+
+/// What two runs must have in common to share their blocks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Header {
+    /// Version of the program: another one may trace otherwise.
+    generator: String,
+    /// SHA-256 of the mesh, in hexadecimal.
+    mesh: String,
+    pub(super) settings: Settings,
+    pub(super) vertex_count: usize,
+    /// Number and count.
+    part: (u32, u32),
+}
+
+/// The options that decide what a bake's bytes are: all but the number of threads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Settings {
+    order: usize,
+    rays_per_vertex: usize,
+    shadowed: bool,
+    bounces: usize,
+    keep_shadowed: bool,
+    seed: u64,
+}
+
+impl Key {
+    /// Whether the record is of a block, and not about the bake as a whole.
+    pub(super) fn is_of_block(self) -> bool {
+        self.pass != ABOUT
+    }
+}
+
+impl Settings {
+    pub(super) fn of(options: &BakeOptions) -> Self {
+        // Without `..`: an option that is added must be thought of here.
+        let BakeOptions { order, rays_per_vertex, shadowed, bounces, keep_shadowed, seed, threads: _ } = *options;
+        Self { order: order.get(), rays_per_vertex, shadowed, bounces, keep_shadowed, seed }
+    }
+
+    pub(super) fn options(&self, threads: Option<usize>) -> Result<BakeOptions, Error> {
+        let Self { order, rays_per_vertex, shadowed, bounces, keep_shadowed, seed } = *self;
+        let order = Order::new(order).map_err(|error| Error::Option(error.to_string()))?;
+        let options = BakeOptions { order, rays_per_vertex, shadowed, bounces, keep_shadowed, seed, threads };
+        options.validate()?;
+        Ok(options)
+    }
+}
+
+impl Header {
+    pub(super) fn new(mesh: &Mesh, options: &BakeOptions, part: Part) -> Self {
+        Self {
+            generator: concat!("prt-bake ", env!("CARGO_PKG_VERSION")).to_owned(),
+            mesh: mesh.content_hash(),
+            settings: Settings::of(options),
+            vertex_count: mesh.positions().len(),
+            part: (part.number(), part.count()),
+        }
+    }
+
+    /// SHA-256 of all that decides the bytes of the result, in hexadecimal. All parts of a bake share it.
+    pub(super) fn identity(&self) -> String {
+        let whole = Self { part: (1, 1), ..self.clone() };
+        crate::hash::hex(serde_json::json!(whole).to_string().as_bytes())
+    }
+
+    /// The same bake as one whole.
+    pub(super) fn whole(&self) -> Self {
+        Self { part: (1, 1), ..self.clone() }
+    }
+
+    pub(super) fn part(&self) -> Result<Part, Error> {
+        Part::new(self.part.0, self.part.1)
+    }
+
+    pub(super) fn append_to(&self, journal: &Journal) -> Result<(), Error> {
+        journal.append(HEADER, serde_json::json!(self).to_string().as_bytes())
+    }
+
+    /// The header of a journal; `None` if its program was killed before it wrote one.
+    pub(super) fn read(journal: &Journal) -> Result<Option<Self>, Error> {
+        if !journal.contains(HEADER) {
+            return Ok(None);
+        }
+        let mut bytes = Vec::new();
+        journal.read(HEADER, &mut bytes)?;
+        serde_json::from_slice(&bytes).map(Some).map_err(|error| journal.malformed(format!("its header: {error}")))
+    }
+
+    /// Says how another header differs; `None` if it does not.
+    pub(super) fn difference(&self, other: &Self) -> Option<String> {
+        let [serde_json::Value::Object(own), serde_json::Value::Object(others)] =
+            [self, other].map(|header| serde_json::json!(header))
+        else {
+            return None;
+        };
+        let (flat, other_flat) = (flattened(own), flattened(others));
+        let differing = flat.iter().zip(&other_flat).find(|(a, b)| a != b)?;
+        let ((name, value), (_, other)) = differing;
+        Some(match name.as_str() {
+            "mesh" => "the mesh is another one".to_owned(),
+            _ => format!("{} is {other} there, but {value} now", name.replace('_', " ")),
+        })
+    }
+}
+
+/// All entries, those of the settings too, by name.
+fn flattened(map: serde_json::Map<String, serde_json::Value>) -> Vec<(String, serde_json::Value)> {
+    let entries = map.into_iter().flat_map(|(name, value)| match value {
+        serde_json::Value::Object(inner) => inner.into_iter().collect::<Vec<_>>(),
+        value => vec![(name, value)],
+    });
+    entries.collect()
+}

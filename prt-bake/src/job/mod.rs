@@ -1,0 +1,106 @@
+//! A bake in blocks of vertices, each written down when it is done: what stops half-way goes on from there, and parts that were baked
+//! apart are put together. However a bake was cut up, its result has the same bytes.
+
+mod block;
+mod blocks;
+mod header;
+mod journal;
+mod merge;
+mod part;
+mod reflect;
+mod target;
+mod trace;
+
+use std::time::Instant;
+
+use crate::parallel::Threads;
+use crate::{BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, VertexStats};
+
+pub(crate) use block::HitLists;
+pub(crate) use blocks::Blocks;
+use header::Header;
+pub(crate) use journal::Journal;
+pub use merge::merge_parts;
+pub use part::Part;
+pub(crate) use reflect::Reflector;
+pub use target::{BakeTarget, FileReport, Unfinished, bake_to_file};
+
+/// Bakes with a journal in memory.
+pub(crate) fn bake_in_memory(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    progress: &dyn Progress,
+) -> Result<(BakedSurface, BakeReport), Error> {
+    let threads = Threads::new(options.threads)?;
+    let journal = Journal::in_memory();
+    let mut report = BakeReport::default();
+    traced(mesh, options, Part::whole(), &journal, &threads, progress, &mut report)?;
+    let header = Header::new(mesh, options, Part::whole());
+    let baked = finished(Geometry::of(mesh), &header, options, &journal, &threads, progress, &mut report)?;
+    Ok((baked, report))
+}
+
+/// Traces from all vertices of a part, but for those that are in the journal.
+fn traced(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    part: Part,
+    journal: &Journal,
+    threads: &Threads,
+    progress: &dyn Progress,
+    report: &mut BakeReport,
+) -> Result<(), Error> {
+    let start = Instant::now();
+    report.threads = threads.count();
+    trace::trace(mesh, options, part, journal, threads, progress, report)?;
+    report.trace = start.elapsed().saturating_sub(report.build);
+    let blocks = Blocks::of(mesh.positions().len());
+    count(report, journal.all_stats(blocks, part.blocks(blocks.count()))?);
+    Ok(())
+}
+
+/// Adds the bounces to a journal that has all direct light, and puts the surface together.
+fn finished(
+    geometry: Geometry,
+    header: &Header,
+    options: &BakeOptions,
+    journal: &Journal,
+    threads: &Threads,
+    progress: &dyn Progress,
+    report: &mut BakeReport,
+) -> Result<BakedSurface, Error> {
+    let start = Instant::now();
+    let (triangles, albedo) = (&geometry.triangles, &geometry.albedo);
+    let &BakeOptions { order, bounces, .. } = options;
+    let reflector = Reflector { journal, triangles, albedo, order, bounces, threads };
+    report.bounce_energy = reflector.reflect(progress)?;
+    let bounces = report.bounce_energy.len();
+    let is_kept = options.keep_shadowed && bounces > 0;
+    let transfer_shadowed = is_kept.then(|| reflector.direct()).transpose()?;
+    let transfer = reflector.total(bounces)?;
+    report.trace += start.elapsed();
+    let metadata = Metadata {
+        rays: options.rays_per_vertex,
+        bounces,
+        seed: options.seed,
+        shadowed: true,
+        error: report.error,
+        identity: Some(header.identity()),
+        ..Metadata::default()
+    };
+    Ok(BakedSurface { metadata, geometry, transfer, transfer_shadowed })
+}
+
+/// Takes down what was found at the vertices.
+fn count(report: &mut BakeReport, vertices: Vec<VertexStats>) {
+    let sum = |count: fn(&VertexStats) -> u32| vertices.iter().map(|stats| u64::from(count(stats))).sum::<u64>();
+    report.rays_traced = sum(|stats| stats.rays);
+    report.occluded_share = sum(|stats| stats.occluded) as f64 / (sum(|stats| stats.directions) as f64).max(1.0);
+    let errors = vertices.iter().map(|stats| f64::from(stats.error)).filter(|error| !error.is_nan());
+    let (count, squares) = errors.fold((0_u32, 0.0), |(count, sum), error| (count + 1, sum + error * error));
+    report.error = (count > 0).then(|| (squares / f64::from(count)).sqrt());
+    report.vertices = vertices;
+}
+
+#[cfg(test)]
+mod tests;

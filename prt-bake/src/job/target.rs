@@ -1,0 +1,215 @@
+//! Baking into a file, so that nothing is lost when the bake stops half-way.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use super::header::{DONE, Header, SURFACE};
+use super::journal::Journal;
+use super::{Part, finished, traced};
+use crate::parallel::Threads;
+use crate::{
+    BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, Source, TransferVectors,
+    bake_diffuse, file_info,
+};
+
+/// What is done with the journal of a bake that did not come to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unfinished {
+    /// Nothing is baked, and an error says that it is there.
+    #[default]
+    Refuse,
+    /// The bake goes on where the other one stopped, if mesh and options are the same. Without a journal it begins.
+    Resume,
+    /// The bake begins anew.
+    Discard,
+}
+
+/// Where a bake goes.
+#[derive(Debug, Clone)]
+pub struct BakeTarget {
+    /// The baked file, or the file of a part. Until it is complete what is done is in a journal beside it, `PATH.journal`.
+    pub path: PathBuf,
+    /// Which share of the vertices is baked.
+    pub part: Part,
+    /// What is done if there is a journal already.
+    pub unfinished: Unfinished,
+    /// Bake nothing if the file is there and was made from the same mesh with the same options.
+    pub update: bool,
+    /// What is written into the file about its origin.
+    pub source: Option<Source>,
+}
+
+impl BakeTarget {
+    /// The whole bake into `path`; refuses to overwrite an unfinished one.
+    #[must_use]
+    pub fn new(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), part: Part::whole(), unfinished: Unfinished::Refuse, update: false, source: None }
+    }
+
+    /// Where the work is kept until it is complete.
+    #[must_use]
+    pub fn journal_path(&self) -> PathBuf {
+        journal_path(&self.path)
+    }
+}
+
+/// What came of a bake into a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FileReport {
+    /// What the bake did; of a part, for its own vertices.
+    pub bake: BakeReport,
+    /// How the transfer was made; `None` for a part.
+    pub metadata: Option<Metadata>,
+    /// Channels of the transfer; `None` for a part.
+    pub channels: Option<usize>,
+    /// Size of the file.
+    pub bytes: u64,
+    /// Whether the file was there already, and nothing was baked.
+    pub was_up_to_date: bool,
+}
+
+/// Bakes diffuse transfer into a file, as [`bake_diffuse`] does, and keeps on disk what is done.
+///
+/// Every block of 16 vertices is written to a journal when it is done, the hits for interreflection too, so that memory holds the mesh,
+/// the tree and once the output, and little else. A bake that is killed or cancelled goes on with [`Unfinished::Resume`]; the file has
+/// the same bytes as one baked in one go. A part is merged with the others by [`merge_parts`](super::merge_parts).
+///
+/// # Errors
+/// As [`bake_diffuse`]; if a file cannot be read or written; if there is an unfinished bake and [`BakeTarget::unfinished`] refuses it, or
+/// it belongs to another mesh or other options.
+pub fn bake_to_file(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    target: &BakeTarget,
+    progress: &dyn Progress,
+) -> Result<FileReport, Error> {
+    options.validate()?;
+    if !options.shadowed {
+        return unshadowed(mesh, options, target, progress);
+    }
+    let header = Header::new(mesh, options, target.part);
+    if (target.update || target.unfinished == Unfinished::Resume) && is_done(&target.path, &header) {
+        return up_to_date(target);
+    }
+    let journal = open_journal(target, &header)?;
+    let threads = Threads::new(options.threads)?;
+    let mut report = BakeReport::default();
+    traced(mesh, options, target.part, &journal, &threads, progress, &mut report)?;
+    if !target.part.is_whole() {
+        return close_part(mesh, target, journal, report);
+    }
+    let mut baked = finished(Geometry::of(mesh), &header, options, &journal, &threads, progress, &mut report)?;
+    baked.metadata.source.clone_from(&target.source);
+    write_result(&baked, &target.path, journal, report)
+}
+
+/// Writes the baked file, and then removes the journal.
+pub(super) fn write_result(
+    baked: &BakedSurface,
+    path: &Path,
+    journal: Journal,
+    report: BakeReport,
+) -> Result<FileReport, Error> {
+    let bytes = baked.write(path)?;
+    drop(journal);
+    remove(&journal_path(path))?;
+    Ok(FileReport {
+        bake: report,
+        metadata: Some(baked.metadata.clone()),
+        channels: Some(baked.transfer.channels),
+        bytes,
+        was_up_to_date: false,
+    })
+}
+
+/// Without shadows there is nothing to lose: it is done at once.
+fn unshadowed(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    target: &BakeTarget,
+    progress: &dyn Progress,
+) -> Result<FileReport, Error> {
+    if !target.part.is_whole() {
+        return Err(Error::Option(format!(
+            "part {} of transfer without shadows: no ray is traced for it",
+            target.part
+        )));
+    }
+    let (mut baked, report) = bake_diffuse(mesh, options, progress)?;
+    baked.metadata.source.clone_from(&target.source);
+    let bytes = baked.write(&target.path)?;
+    let channels = Some(baked.transfer.channels);
+    Ok(FileReport { bake: report, metadata: Some(baked.metadata), channels, bytes, was_up_to_date: false })
+}
+
+/// `PATH.journal`.
+pub(super) fn journal_path(path: &Path) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(".journal");
+    name.into()
+}
+
+/// Whether the file is the result of this very bake.
+fn is_done(path: &Path, header: &Header) -> bool {
+    match header.part() {
+        Ok(part) if part.is_whole() => {
+            file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()))
+        }
+        _ => Journal::open(path).is_ok_and(|journal| {
+            journal.contains(DONE) && Header::read(&journal).is_ok_and(|found| found.as_ref() == Some(header))
+        }),
+    }
+}
+
+fn up_to_date(target: &BakeTarget) -> Result<FileReport, Error> {
+    let fail = |cause| Error::Io { action: "read", path: target.path.clone(), cause };
+    let bytes = std::fs::metadata(&target.path).map_err(fail)?.len();
+    Ok(FileReport { bytes, was_up_to_date: true, ..FileReport::default() })
+}
+
+/// A journal with the header of this bake: a new one, or one to go on with.
+fn open_journal(target: &BakeTarget, header: &Header) -> Result<Journal, Error> {
+    let path = target.journal_path();
+    if path.exists() && target.unfinished == Unfinished::Refuse {
+        return Err(Error::Unfinished { path });
+    }
+    if path.exists() && target.unfinished == Unfinished::Resume {
+        let journal = Journal::resume(&path)?;
+        match Header::read(&journal)? {
+            Some(found) => return check_same(&found, header, &path).map(|()| journal),
+            None => drop(journal),
+        }
+    }
+    let journal = Journal::create(&path)?;
+    header.append_to(&journal)?;
+    Ok(journal)
+}
+
+fn check_same(found: &Header, header: &Header, path: &Path) -> Result<(), Error> {
+    match header.difference(found) {
+        Some(difference) => Err(Error::OtherBake { path: path.to_owned(), difference }),
+        None => Ok(()),
+    }
+}
+
+/// Adds the surface to the journal of a part, and gives it the name of the part.
+fn close_part(mesh: &Mesh, target: &BakeTarget, journal: Journal, report: BakeReport) -> Result<FileReport, Error> {
+    let surface = BakedSurface {
+        metadata: Metadata { source: target.source.clone(), ..Metadata::default() },
+        geometry: Geometry::of(mesh),
+        transfer: TransferVectors::unshadowed(sh_core::Order::new(1).expect("1 is an order"), mesh.normals()),
+        transfer_shadowed: None,
+    };
+    journal.append(SURFACE, &surface.to_bytes()?)?;
+    journal.append(DONE, &[])?;
+    journal.sync()?;
+    drop(journal);
+    let fail = |cause| Error::Io { action: "write", path: target.path.clone(), cause };
+    std::fs::rename(target.journal_path(), &target.path).map_err(fail)?;
+    let bytes = std::fs::metadata(&target.path).map_err(fail)?.len();
+    Ok(FileReport { bake: report, bytes, ..FileReport::default() })
+}
+
+fn remove(path: &Path) -> Result<(), Error> {
+    std::fs::remove_file(path).map_err(|cause| Error::Io { action: "remove", path: path.to_owned(), cause })
+}

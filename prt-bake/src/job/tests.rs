@@ -1,0 +1,244 @@
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use sh_core::Order;
+
+use super::*;
+use crate::{MeshOptions, MeshSource, Source, bake_diffuse};
+
+/// A folded sheet in two colours: every vertex sees another.
+fn fold(cells: u32) -> Mesh {
+    let mut source = MeshSource::default();
+    for i in 0..=cells {
+        for j in 0..=cells {
+            let [x, y] = [i, j].map(|k| f64::from(k) / f64::from(cells) - 0.5);
+            source.positions.push([x, y, 1.5 * x.abs()]);
+            source.albedo.push(if i % 2 == 0 { [0.9, 0.3, 0.1] } else { [0.5; 3] });
+            if i < cells && j < cells {
+                let a = i * (cells + 1) + j;
+                let [b, c, d] = [a + cells + 1, a + cells + 2, a + 1];
+                source.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    Mesh::new(source, &MeshOptions::default()).unwrap().0
+}
+
+fn options() -> BakeOptions {
+    let order = Order::new(4).unwrap();
+    BakeOptions { order, rays_per_vertex: 256, bounces: 3, keep_shadowed: true, ..BakeOptions::default() }
+}
+
+/// A folder of its own, and the name of a file there.
+fn place() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fold.prt");
+    (folder, path)
+}
+
+/// Cancels after some vertices.
+struct StopAfter(AtomicUsize);
+
+impl Progress for StopAfter {
+    fn advance(&self, vertices: usize, _rays: u64) {
+        let left = self.0.load(Ordering::Relaxed);
+        self.0.store(left.saturating_sub(vertices), Ordering::Relaxed);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
+    }
+}
+
+fn stop_after(vertices: usize) -> StopAfter {
+    StopAfter(AtomicUsize::new(vertices))
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_file_holds_what_a_bake_in_memory_gives() {
+    let (folder, path) = place();
+    let mesh = fold(9);
+    let source = Source { name: "fold.obj".to_owned(), sha256: "0".repeat(64) };
+    let target = BakeTarget { source: Some(source.clone()), ..BakeTarget::new(&path) };
+    let report = bake_to_file(&mesh, &options(), &target, &()).unwrap();
+    let (mut baked, in_memory) = bake_diffuse(&mesh, &options(), &()).unwrap();
+    baked.metadata.source = Some(source);
+    assert_eq!(BakedSurface::read(&path).unwrap(), baked);
+    assert_eq!((report.bytes, report.channels), (fs::metadata(&path).unwrap().len(), Some(3)));
+    assert_eq!(report.bake.rays_traced, in_memory.rays_traced);
+    assert_eq!(report.bake.bounce_energy, in_memory.bounce_energy);
+    assert_eq!(files(folder.path()), ["fold.prt"]);
+}
+
+#[test]
+fn a_bake_that_stops_anywhere_goes_on_to_the_same_bytes() {
+    let (folder, path) = place();
+    let mesh = fold(9);
+    let whole = BakeTarget::new(&path);
+    bake_to_file(&mesh, &options(), &whole, &()).unwrap();
+    let expected = fs::read(&path).unwrap();
+    let vertices = mesh.positions().len();
+    // In the first pass, at its end, in each of the bounces.
+    for stop in [1, vertices / 2, vertices, vertices + 1, 2 * vertices + 30, 3 * vertices + 60] {
+        fs::remove_file(&path).unwrap();
+        let error = bake_to_file(&mesh, &options(), &whole, &stop_after(stop)).unwrap_err();
+        assert!(matches!(error, Error::Cancelled), "{error}");
+        assert_eq!(files(folder.path()), ["fold.prt.journal"]);
+        let refused = bake_to_file(&mesh, &options(), &whole, &()).unwrap_err().to_string();
+        assert!(refused.contains("fold.prt.journal holds an unfinished bake"), "{refused}");
+        let resume = BakeTarget { unfinished: Unfinished::Resume, ..whole.clone() };
+        let report = bake_to_file(&mesh, &options(), &resume, &()).unwrap();
+        assert!(report.bake.vertices_resumed >= stop.min(vertices), "{stop}: {}", report.bake.vertices_resumed);
+        assert_eq!(fs::read(&path).unwrap(), expected, "stopped after {stop}");
+        assert_eq!(files(folder.path()), ["fold.prt"]);
+    }
+}
+
+#[test]
+fn a_journal_that_is_torn_anywhere_loses_only_what_is_torn() {
+    let (_folder, path) = place();
+    let mesh = fold(6);
+    let target = BakeTarget { unfinished: Unfinished::Resume, ..BakeTarget::new(&path) };
+    bake_to_file(&mesh, &options(), &target, &()).unwrap();
+    let expected = fs::read(&path).unwrap();
+    fs::remove_file(&path).unwrap();
+    bake_to_file(&mesh, &options(), &target, &stop_after(2 * mesh.positions().len())).unwrap_err();
+    let journal = fs::read(target.journal_path()).unwrap();
+    let cuts = (0..12).chain((12..journal.len()).step_by(journal.len() / 23)).chain([journal.len() - 1]);
+    for cut in cuts {
+        let mut torn = journal[..cut].to_vec();
+        // What a disk may leave behind after a power failure.
+        torn.extend(std::iter::repeat_n(0, cut % 3 * 50));
+        let is_empty_file = torn.len() < 8;
+        fs::write(target.journal_path(), &torn).unwrap();
+        match bake_to_file(&mesh, &options(), &target, &()) {
+            Ok(_) => assert_eq!(fs::read(&path).unwrap(), expected, "cut at {cut}"),
+            Err(error) => {
+                // Not a journal at all: it is not ours to overwrite.
+                assert!(!is_empty_file && cut < 8, "cut at {cut}: {error}");
+                assert!(error.to_string().contains("fold.prt.journal is not a valid bake journal"), "{error}");
+            }
+        }
+        let _ = fs::remove_file(&path);
+    }
+}
+
+#[test]
+fn a_changed_byte_in_a_journal_is_noticed() {
+    let (_folder, path) = place();
+    let mesh = fold(5);
+    let target = BakeTarget { unfinished: Unfinished::Resume, ..BakeTarget::new(&path) };
+    bake_to_file(&mesh, &options(), &target, &()).unwrap();
+    let expected = fs::read(&path).unwrap();
+    fs::remove_file(&path).unwrap();
+    bake_to_file(&mesh, &options(), &target, &stop_after(2 * mesh.positions().len())).unwrap_err();
+    let journal = fs::read(target.journal_path()).unwrap();
+    for place in (8..journal.len()).step_by(journal.len() / 40) {
+        let mut changed = journal.clone();
+        changed[place] ^= 0x10;
+        fs::write(target.journal_path(), &changed).unwrap();
+        bake_to_file(&mesh, &options(), &target, &()).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), expected, "byte {place} changed");
+        fs::remove_file(&path).unwrap();
+    }
+}
+
+#[test]
+fn parts_merge_to_the_same_bytes_in_any_order() {
+    let (folder, path) = place();
+    let mesh = fold(9);
+    let source = Source { name: "fold.obj".to_owned(), sha256: "1".repeat(64) };
+    let target = BakeTarget { source: Some(source), ..BakeTarget::new(&path) };
+    bake_to_file(&mesh, &options(), &target, &()).unwrap();
+    let expected = fs::read(&path).unwrap();
+    fs::remove_file(&path).unwrap();
+    // More parts than blocks too: some have nothing to do.
+    for count in [1, 2, 3, 11] {
+        let mut parts: Vec<PathBuf> = (1..=count).map(|number| folder.path().join(format!("{number}.part"))).collect();
+        for (number, part) in (1..).zip(&parts) {
+            let target = BakeTarget { path: part.clone(), part: Part::new(number, count).unwrap(), ..target.clone() };
+            let report = bake_to_file(&mesh, &options(), &target, &()).unwrap();
+            assert_eq!(report.metadata.is_some(), count == 1);
+        }
+        if count == 1 {
+            assert_eq!(fs::read(&parts[0]).unwrap(), expected);
+            fs::remove_file(&parts[0]).unwrap();
+            continue;
+        }
+        parts.rotate_left(1);
+        merge_parts(&parts, &path, None, &()).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), expected, "{count} parts");
+        let twice = [parts.as_slice(), &parts[..1]].concat();
+        let error = merge_parts(&twice, &path, None, &()).unwrap_err().to_string();
+        assert!(error.contains("are both part"), "{error}");
+        let error = merge_parts(&parts[1..], &path, None, &()).unwrap_err().to_string();
+        assert!(error.contains("missing: 2"), "{error}");
+        parts.iter().for_each(|part| fs::remove_file(part).unwrap());
+    }
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused_by_name() {
+    let (folder, path) = place();
+    let mesh = fold(6);
+    let resume = BakeTarget { unfinished: Unfinished::Resume, ..BakeTarget::new(&path) };
+    bake_to_file(&mesh, &options(), &resume, &stop_after(20)).unwrap_err();
+    let other = BakeOptions { rays_per_vertex: 128, ..options() };
+    let error = bake_to_file(&mesh, &other, &resume, &()).unwrap_err().to_string();
+    assert!(error.contains("is of another bake: rays per vertex is 256 there, but 128 now"), "{error}");
+    let error = bake_to_file(&fold(7), &options(), &resume, &()).unwrap_err().to_string();
+    assert!(error.contains("the mesh is another one"), "{error}");
+    // The number of threads may change.
+    bake_to_file(&mesh, &BakeOptions { threads: Some(1), ..options() }, &resume, &()).unwrap();
+
+    let part = |number, name: &str, options: &BakeOptions| {
+        let part = Part::new(number, 2).unwrap();
+        let target = BakeTarget { path: folder.path().join(name), part, ..BakeTarget::new("") };
+        bake_to_file(&mesh, options, &target, &()).unwrap();
+        target.path
+    };
+    let parts = [part(1, "a", &options()), part(2, "b", &other)];
+    let error = merge_parts(&parts, &path, None, &()).unwrap_err().to_string();
+    assert!(error.contains("b is of another bake: rays per vertex"), "{error}");
+    let error = merge_parts(std::slice::from_ref(&path), &path, None, &()).unwrap_err().to_string();
+    assert!(error.contains("fold.prt is not a valid bake journal"), "{error}");
+    assert!(merge_parts(&[], &path, None, &()).is_err());
+}
+
+#[test]
+fn a_journal_is_written_by_one_bake_at_a_time() {
+    let (_folder, path) = place();
+    let target = BakeTarget { unfinished: Unfinished::Resume, ..BakeTarget::new(&path) };
+    let held = Journal::create(&target.journal_path()).unwrap();
+    let error = bake_to_file(&fold(3), &options(), &target, &()).unwrap_err().to_string();
+    assert!(error.contains("another bake is writing it"), "{error}");
+    drop(held);
+    bake_to_file(&fold(3), &options(), &target, &()).unwrap();
+}
+
+#[test]
+fn what_is_up_to_date_is_not_baked_again() {
+    let (_folder, path) = place();
+    let update = BakeTarget { update: true, ..BakeTarget::new(&path) };
+    let baked = |mesh: &Mesh, options: &BakeOptions| !bake_to_file(mesh, options, &update, &()).unwrap().was_up_to_date;
+    assert!(baked(&fold(4), &options()), "there is no file yet");
+    assert!(!baked(&fold(4), &options()));
+    assert!(!baked(&fold(4), &BakeOptions { threads: Some(1), ..options() }));
+    assert!(baked(&fold(4), &BakeOptions { seed: 1, ..options() }));
+    assert!(baked(&fold(4), &options()), "the file is of another seed");
+    let mut repainted = fold(4);
+    repainted.set_albedo([0.5; 3]).unwrap();
+    assert!(baked(&repainted, &options()));
+    fs::write(&path, b"something else").unwrap();
+    assert!(baked(&repainted, &options()));
+}

@@ -1,0 +1,83 @@
+//! The first pass: rays from every vertex.
+
+use std::time::Instant;
+
+use super::Part;
+use super::block::HitLists;
+use super::blocks::Blocks;
+use super::journal::Journal;
+use crate::diffuse::{DirectPass, ErrorProbe, Scratch, ray_origins};
+use crate::parallel::Threads;
+use crate::sampling::DirectionSet;
+use crate::{BakeOptions, BakeReport, Error, Mesh, Pass, Progress, Scene, VertexStats};
+
+/// Traces from the vertices of a part that the journal does not have yet.
+pub(super) fn trace(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    part: Part,
+    journal: &Journal,
+    threads: &Threads,
+    progress: &dyn Progress,
+    report: &mut BakeReport,
+) -> Result<(), Error> {
+    let blocks = Blocks::of(mesh.positions().len());
+    let all = part.blocks(blocks.count());
+    let vertex_count = |numbers: &[u32]| numbers.iter().map(|&block| blocks.vertices(block).len()).sum::<usize>();
+    let (done, missing): (Vec<u32>, Vec<u32>) = all.partition(|&block| journal.has_rows(0, block));
+    report.vertices_resumed = vertex_count(&done);
+    progress.start(Pass::Direct, vertex_count(&done) + vertex_count(&missing));
+    progress.advance(vertex_count(&done), 0);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let start = Instant::now();
+    let scene = Scene::new(mesh);
+    let origins = ray_origins(mesh, &scene);
+    let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
+    let direct = DirectPass { scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
+    let probe = ErrorProbe::new(options, mesh.positions().len());
+    let tracer = Tracer { direct, probe, keep_hits: options.bounces > 0, blocks, journal };
+    report.build = start.elapsed();
+    threads.for_each_block(
+        &missing,
+        progress,
+        || tracer.direct.scratch(),
+        |scratch, &block| tracer.block(scratch, block),
+    )
+}
+
+/// All that the blocks of the first pass share.
+struct Tracer<'a> {
+    direct: DirectPass<'a>,
+    probe: ErrorProbe,
+    keep_hits: bool,
+    blocks: Blocks,
+    journal: &'a Journal,
+}
+
+impl Tracer<'_> {
+    /// Traces from the vertices of a block and writes down what was found. Returns the numbers of vertices and of rays.
+    fn block(&self, scratch: &mut Scratch, block: u32) -> Result<(usize, u64), Error> {
+        let vertices = self.blocks.vertices(block);
+        let length = self.direct.directions.order.coeff_count();
+        let mut rows = vec![0.0; vertices.len() * length];
+        let mut stats = vec![VertexStats::default(); vertices.len()];
+        let (mut hits, mut found) = (HitLists::default(), Vec::new());
+        for ((vertex, row), stats) in vertices.clone().zip(rows.chunks_exact_mut(length)).zip(&mut stats) {
+            *stats = self.direct.shadowed_vector(scratch, vertex, row);
+            if self.keep_hits {
+                found.clear();
+                stats.rays += self.direct.nearest_hits(scratch, vertex, &mut found);
+                hits.push(found.iter().copied());
+            }
+            stats.error = self.probe.estimate(&self.direct, scratch, vertex, row);
+        }
+        if self.keep_hits {
+            self.journal.append_hits(block, &hits)?;
+        }
+        self.journal.append_stats(block, &stats)?;
+        self.journal.append_rows(0, block, &rows)?;
+        Ok((vertices.len(), stats.iter().map(|stats| u64::from(stats.rays)).sum()))
+    }
+}
