@@ -45,6 +45,7 @@ struct Cli {
 #[derive(Debug, clap::Subcommand)]
 enum Verb {
     Bake(verb::bake::Arguments),
+    Merge(verb::merge::Arguments),
     Fit(verb::fit::Arguments),
     Demo(verb::demo::Arguments),
     Render(verb::render::Arguments),
@@ -58,6 +59,7 @@ fn main() -> ExitCode {
     let result = match &cli.verb {
         None => verb::main_job::run(&cli.main_job),
         Some(Verb::Bake(arguments)) => verb::bake::run(arguments),
+        Some(Verb::Merge(arguments)) => verb::merge::run(arguments),
         Some(Verb::Fit(arguments)) => verb::fit::run(arguments),
         Some(Verb::Demo(arguments)) => verb::demo::run(arguments),
         Some(Verb::Render(arguments)) => verb::render::run(arguments),

@@ -195,27 +195,3 @@ fn files_that_are_not_baked_are_refused() {
     place.write("cut.prt", &newer[..newer.len() / 2]);
     place.refuses(&["render", "cut.prt", "-o", "a.png"], 1, &["cut.prt"]);
 }
-
-#[cfg(unix)]
-#[test]
-fn ctrl_c_leaves_nothing() {
-    use std::io::Read;
-    use std::time::{Duration, Instant};
-
-    let place = Place::new();
-    place.write_scene();
-    // A few minutes of work.
-    let mut child = place.spawn(&["bake", "scene.obj", "--rays", "1000000", "--order", "16", "--threads", "1"]);
-    std::thread::sleep(Duration::from_millis(700));
-    assert!(child.try_wait().unwrap().is_none(), "it still bakes");
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(kill.success());
-    let asked = Instant::now();
-    let status = child.wait().unwrap();
-    assert_eq!(status.code(), Some(130));
-    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
-    let mut message = String::new();
-    child.stderr.unwrap().read_to_string(&mut message).unwrap();
-    assert_eq!(message, "prt: cancelled\n");
-    assert_eq!(place.files(), ["scene.obj"]);
-}

@@ -128,6 +128,11 @@ impl Journal {
         keys
     }
 
+    /// Whether anything of a bake is in it.
+    pub(crate) fn has_blocks(&self) -> bool {
+        self.keys().into_iter().any(Key::is_of_block)
+    }
+
     /// Adds a record. What was there under this key before is superseded.
     ///
     /// # Errors

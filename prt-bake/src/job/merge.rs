@@ -26,8 +26,7 @@ pub fn merge_parts(
     let first = parts.first().ok_or_else(|| Error::Option("no parts to merge".to_owned()))?;
     let (surface, header) = (first.surface()?, first.header.whole());
     let options = header.settings.options(threads)?;
-    let journal = Journal::create(&journal_path(path))?;
-    header.append_to(&journal)?;
+    let journal = new_journal(&journal_path(path), &header)?;
     parts.iter().try_for_each(|part| part.copy_to(&journal, progress))?;
     let threads = Threads::new(options.threads)?;
     let mut report = BakeReport { threads: threads.count(), ..BakeReport::default() };
@@ -36,6 +35,16 @@ pub fn merge_parts(
     let mut baked = finished(surface.geometry, &header, &options, &journal, &threads, progress, &mut report)?;
     baked.metadata.source = surface.metadata.source;
     write_result(&baked, path, journal, report)
+}
+
+/// A journal for the whole, in place of one of the same bake: the parts have all that is in that one.
+fn new_journal(path: &Path, header: &Header) -> Result<Journal, Error> {
+    if path.exists() && Header::read(&Journal::resume(path)?)?.is_some_and(|found| found != *header) {
+        return Err(Error::Unfinished { path: path.to_owned() });
+    }
+    let journal = Journal::create(path)?;
+    header.append_to(&journal)?;
+    Ok(journal)
 }
 
 /// The file of a part that is done.

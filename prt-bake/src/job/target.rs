@@ -84,8 +84,8 @@ pub fn bake_to_file(
     progress: &dyn Progress,
 ) -> Result<FileReport, Error> {
     options.validate()?;
-    if !options.shadowed {
-        return unshadowed(mesh, options, target, progress);
+    if !options.shadowed || is_device(&target.path) {
+        return at_once(mesh, options, target, progress);
     }
     let header = Header::new(mesh, options, target.part);
     if (target.update || target.unfinished == Unfinished::Resume) && is_done(&target.path, &header) {
@@ -94,7 +94,13 @@ pub fn bake_to_file(
     let journal = open_journal(target, &header)?;
     let threads = Threads::new(options.threads)?;
     let mut report = BakeReport::default();
-    traced(mesh, options, target.part, &journal, &threads, progress, &mut report)?;
+    if let Err(error) = traced(mesh, options, target.part, &journal, &threads, progress, &mut report) {
+        if !journal.has_blocks() {
+            drop(journal);
+            remove(&target.journal_path())?;
+        }
+        return Err(error);
+    }
     if !target.part.is_whole() {
         return close_part(mesh, target, journal, report);
     }
@@ -122,8 +128,13 @@ pub(super) fn write_result(
     })
 }
 
-/// Without shadows there is nothing to lose: it is done at once.
-fn unshadowed(
+/// A device or a pipe has no place beside it.
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+}
+
+/// Bakes without a journal: without shadows there is nothing to lose.
+fn at_once(
     mesh: &Mesh,
     options: &BakeOptions,
     target: &BakeTarget,
@@ -135,11 +146,11 @@ fn unshadowed(
             target.part
         )));
     }
-    let (mut baked, report) = bake_diffuse(mesh, options, progress)?;
+    let (mut baked, bake) = bake_diffuse(mesh, options, progress)?;
     baked.metadata.source.clone_from(&target.source);
     let bytes = baked.write(&target.path)?;
     let channels = Some(baked.transfer.channels);
-    Ok(FileReport { bake: report, metadata: Some(baked.metadata), channels, bytes, was_up_to_date: false })
+    Ok(FileReport { bake, metadata: Some(baked.metadata), channels, bytes, was_up_to_date: false })
 }
 
 /// `PATH.journal`.

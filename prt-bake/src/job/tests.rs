@@ -216,6 +216,30 @@ fn what_does_not_belong_together_is_refused_by_name() {
 }
 
 #[test]
+fn what_holds_nothing_is_not_kept_and_what_holds_something_is_not_overwritten() {
+    let (folder, path) = place();
+    let mesh = fold(6);
+    bake_to_file(&mesh, &options(), &BakeTarget::new(&path), &stop_after(0)).unwrap_err();
+    assert!(files(folder.path()).is_empty());
+
+    let other = BakeOptions { seed: 9, ..options() };
+    bake_to_file(&mesh, &other, &BakeTarget::new(&path), &stop_after(20)).unwrap_err();
+    let parts = [1, 2].map(|number| {
+        let target = BakeTarget {
+            part: Part::new(number, 2).unwrap(),
+            ..BakeTarget::new(folder.path().join(number.to_string()))
+        };
+        bake_to_file(&mesh, &options(), &target, &()).unwrap();
+        target.path
+    });
+    let error = merge_parts(&parts, &path, None, &()).unwrap_err();
+    assert!(matches!(error, Error::Unfinished { .. }), "{error}");
+    let discard = BakeTarget { unfinished: Unfinished::Discard, ..BakeTarget::new(&path) };
+    bake_to_file(&mesh, &options(), &discard, &()).unwrap();
+    assert_eq!(files(folder.path()), ["1", "2", "fold.prt"]);
+}
+
+#[test]
 fn a_journal_is_written_by_one_bake_at_a_time() {
     let (_folder, path) = place();
     let target = BakeTarget { unfinished: Unfinished::Resume, ..BakeTarget::new(&path) };

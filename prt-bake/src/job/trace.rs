@@ -37,7 +37,7 @@ pub(super) fn trace(
     let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
     let direct = DirectPass { scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
     let probe = ErrorProbe::new(options, mesh.positions().len());
-    let tracer = Tracer { direct, probe, keep_hits: options.bounces > 0, blocks, journal };
+    let tracer = Tracer { direct, probe, keep_hits: options.bounces > 0, blocks, journal, progress };
     report.build = start.elapsed();
     threads.for_each_block(
         &missing,
@@ -54,6 +54,7 @@ struct Tracer<'a> {
     keep_hits: bool,
     blocks: Blocks,
     journal: &'a Journal,
+    progress: &'a dyn Progress,
 }
 
 impl Tracer<'_> {
@@ -65,6 +66,9 @@ impl Tracer<'_> {
         let mut stats = vec![VertexStats::default(); vertices.len()];
         let (mut hits, mut found) = (HitLists::default(), Vec::new());
         for ((vertex, row), stats) in vertices.clone().zip(rows.chunks_exact_mut(length)).zip(&mut stats) {
+            if self.progress.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
             *stats = self.direct.shadowed_vector(scratch, vertex, row);
             if self.keep_hits {
                 found.clear();

@@ -239,9 +239,9 @@ impl PatchArguments {
             bounces: options.bounces,
             seed: options.seed,
             shadowed: options.shadowed,
-            source: None,
             error: bake.error,
             fit_error: Some(relative_error),
+            ..Metadata::default()
         };
         let is_own_albedo = options.scattering.is_none() && options.responses.is_empty();
         let texture = ZonalTexture {

@@ -7,5 +7,6 @@ pub(crate) mod demo;
 pub(crate) mod fit;
 pub(crate) mod info;
 pub(crate) mod main_job;
+pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod view;

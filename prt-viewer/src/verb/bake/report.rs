@@ -1,0 +1,163 @@
+//! What the verb tells of a bake.
+
+use prt_bake::{BakeReport, BakeTarget, FileReport, Mesh, MeshReport};
+use serde::Serialize;
+
+use super::Arguments;
+use crate::{memory, output};
+
+/// Wall time of the steps.
+#[derive(Debug, Serialize)]
+pub(super) struct Seconds {
+    /// Reading and cleaning the mesh.
+    load: f64,
+    /// The tree and the set of directions.
+    build: f64,
+    trace: f64,
+    write: f64,
+    total: f64,
+}
+
+impl Seconds {
+    /// - `load`, `rest`, `total`: reading, all after it, and all together
+    pub(super) fn new(load: f64, rest: f64, total: f64, bake: &BakeReport) -> Self {
+        let [build, trace] = [bake.build, bake.trace].map(|time| time.as_secs_f64());
+        Self { load, build, trace, write: (rest - build - trace).max(0.0), total }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    scene: String,
+    output: String,
+    /// Whether the output was there already, and nothing was baked.
+    up_to_date: bool,
+    /// Number and count, for a part of a bake.
+    part: Option<[u32; 2]>,
+    vertices: usize,
+    triangles: usize,
+    faces_dropped: usize,
+    faces_degenerate: usize,
+    faces_duplicate: usize,
+    faces_not_finite: usize,
+    vertices_unused: usize,
+    vertices_split: usize,
+    order: usize,
+    /// `null` for a part, and if nothing was baked.
+    channels: Option<usize>,
+    rays_per_vertex: usize,
+    rays_traced: u64,
+    /// Vertices that an earlier run of this bake had traced from.
+    vertices_resumed: usize,
+    bounces: usize,
+    /// Length of what each bounce adds, relative to direct transfer.
+    bounce_energy: Vec<f64>,
+    /// Share of the rays towards the light that meet something.
+    occluded_share: f64,
+    /// Estimated relative error of shadowed transfer; `null` without rays.
+    error: Option<f64>,
+    seed: u64,
+    threads: usize,
+    seconds: Seconds,
+    mrays_per_second: f64,
+    peak_memory_bytes: Option<u64>,
+    output_bytes: u64,
+}
+
+impl Report {
+    pub(super) fn new(
+        arguments: &Arguments,
+        target: &BakeTarget,
+        mesh: &Mesh,
+        cleaning: &MeshReport,
+        file: &FileReport,
+        seconds: Seconds,
+    ) -> Self {
+        let part = Some(target.part).filter(|part| !part.is_whole());
+        let bake = &file.bake;
+        Self {
+            scene: arguments.scene.display().to_string(),
+            output: target.path.display().to_string(),
+            up_to_date: file.was_up_to_date,
+            part: part.map(|part| [part.number(), part.count()]),
+            vertices: mesh.positions().len(),
+            triangles: mesh.triangles().len(),
+            faces_dropped: cleaning.faces_dropped(),
+            faces_degenerate: cleaning.degenerate,
+            faces_duplicate: cleaning.duplicate,
+            faces_not_finite: cleaning.non_finite,
+            vertices_unused: cleaning.vertices_unused,
+            vertices_split: cleaning.vertices_split,
+            order: arguments.order.get(),
+            channels: file.channels,
+            rays_per_vertex: if arguments.unshadowed { 0 } else { arguments.rays },
+            rays_traced: bake.rays_traced,
+            vertices_resumed: bake.vertices_resumed,
+            bounces: bake.bounce_energy.len(),
+            bounce_energy: bake.bounce_energy.clone(),
+            occluded_share: bake.occluded_share,
+            error: bake.error,
+            seed: arguments.seed,
+            threads: bake.threads,
+            mrays_per_second: super::mrays_per_second(bake),
+            seconds,
+            peak_memory_bytes: memory::peak_bytes(),
+            output_bytes: file.bytes,
+        }
+    }
+
+    pub(super) fn summary(&self) -> String {
+        if self.up_to_date {
+            return format!("{} is up to date", self.output);
+        }
+        [Some(self.about_mesh()), self.about_resuming(), Some(self.about_rays()), Some(self.about_output())]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join("\n")
+    }
+
+    fn about_mesh(&self) -> String {
+        let channels = match self.channels {
+            Some(1) => ", 1 channel".to_owned(),
+            Some(channels) => format!(", {channels} channels"),
+            None => String::new(),
+        };
+        let part = self.part.map_or_else(String::new, |[number, count]| format!(", part {number} of {count}"));
+        format!(
+            "{} vertices, {} triangles ({} dropped), order {}{channels}{part}",
+            output::count(self.vertices as u64),
+            output::count(self.triangles as u64),
+            output::count(self.faces_dropped as u64),
+            self.order,
+        )
+    }
+
+    fn about_resuming(&self) -> Option<String> {
+        let vertices = output::count(self.vertices_resumed as u64);
+        (self.vertices_resumed > 0).then(|| format!("{vertices} vertices were there from an earlier run"))
+    }
+
+    fn about_rays(&self) -> String {
+        let error = self.error.map(|error| format!(", error about {:.2} %", 100.0 * error));
+        format!(
+            "{} bounces, {} rays in {:.2} s ({:.1} Mrays/s){}",
+            self.bounces,
+            output::count(self.rays_traced),
+            self.seconds.trace,
+            self.mrays_per_second,
+            error.unwrap_or_default()
+        )
+    }
+
+    fn about_output(&self) -> String {
+        let memory = self.peak_memory_bytes.map(|bytes| format!(", peak memory {}", output::bytes(bytes)));
+        format!(
+            "wrote {} ({}) after {:.2} s{}",
+            self.output,
+            output::bytes(self.output_bytes),
+            self.seconds.total,
+            memory.unwrap_or_default()
+        )
+    }
+}

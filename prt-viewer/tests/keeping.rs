@@ -1,0 +1,170 @@
+//! What is kept of a bake that is stopped, killed or shared out: `prt bake --resume`, `--part`, `--update` and `prt merge`.
+
+#![cfg(unix)]
+#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
+
+mod program;
+
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Child, Command};
+use std::time::{Duration, Instant};
+
+use program::{Place, number};
+
+/// Enough work to be killed in: about two seconds.
+const LONG: [&str; 10] = ["bake", "scene.obj", "--rays", "32768", "--bounces", "2", "--order", "5", "--threads", "1"];
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Bytes of the journal beside the output.
+fn journal_bytes(place: &Place) -> u64 {
+    fs::metadata(place.path("scene.prt.journal")).map_or(0, |metadata| metadata.len())
+}
+
+/// Waits until the journal has grown, or the program has ended.
+fn wait_for_growth(place: &Place, child: &mut Child, from: u64) {
+    let start = Instant::now();
+    while journal_bytes(place) <= from && child.try_wait().unwrap().is_none() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing is written");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn killing_it_again_and_again_loses_nothing_and_ends_with_the_same_bytes() {
+    let place = Place::new();
+    place.write_scene();
+    assert_eq!(place.run(&LONG).status, Some(0));
+    let expected = fs::read(place.path("scene.prt")).unwrap();
+    fs::remove_file(place.path("scene.prt")).unwrap();
+
+    let resume = [LONG.as_slice(), &["--resume"]].concat();
+    let (mut kills, mut grown) = (0, 0);
+    loop {
+        let mut child = place.spawn(&resume);
+        // Each time a little later after something was written, so that it is killed in all that it does.
+        wait_for_growth(&place, &mut child, grown);
+        std::thread::sleep(Duration::from_millis(7 * kills % 40));
+        if let Some(status) = child.try_wait().unwrap() {
+            assert!(status.success());
+            break;
+        }
+        signal(&child, "-KILL");
+        let status = child.wait().unwrap();
+        if status.success() {
+            break;
+        }
+        assert_eq!(status.signal(), Some(9));
+        assert!(journal_bytes(&place) >= grown, "what was written stays");
+        assert!(!place.path("scene.prt").exists() || journal_bytes(&place) == 0, "no half file under its name");
+        grown = journal_bytes(&place);
+        kills += 1;
+        assert!(kills < 500, "it gets on");
+    }
+    eprintln!("killed {kills} times");
+    assert!(kills >= 5, "killed {kills} times only");
+    assert_eq!(fs::read(place.path("scene.prt")).unwrap(), expected);
+    assert_eq!(place.files(), ["scene.obj", "scene.prt"]);
+}
+
+#[test]
+fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
+    let place = Place::new();
+    place.write_scene();
+    let mut child = place.spawn(&LONG);
+    wait_for_growth(&place, &mut child, 20_000);
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("scene.prt.journal: --resume goes on from there"), "{message}");
+    assert!(message.ends_with("prt: cancelled\n"), "{message}");
+    assert_eq!(place.files(), ["scene.obj", "scene.prt.journal"]);
+
+    place.refuses(&LONG, 1, &["scene.prt.journal holds an unfinished bake", "--resume", "--restart"]);
+    place.refuses(&["bake", "scene.obj", "--resume"], 1, &["is of another bake", "bounces is 2 there, but 0 now"]);
+    let resumed = place.json(&[LONG.as_slice(), &["--resume"]].concat());
+    assert!(number(&resumed, "/vertices_resumed") > 0.0);
+    let bytes = fs::read(place.path("scene.prt")).unwrap();
+    assert_eq!(number(&place.json(&[LONG.as_slice(), &["--restart"]].concat()), "/vertices_resumed"), 0.0);
+    assert_eq!(fs::read(place.path("scene.prt")).unwrap(), bytes);
+}
+
+#[test]
+fn ctrl_c_before_anything_is_done_leaves_nothing() {
+    let place = Place::new();
+    place.write_scene();
+    // Minutes for the first block.
+    let mut child = place.spawn(&["bake", "scene.obj", "--rays", "1000000", "--order", "16", "--threads", "1"]);
+    std::thread::sleep(Duration::from_millis(700));
+    assert!(child.try_wait().unwrap().is_none(), "it still bakes");
+    signal(&child, "-INT");
+    let asked = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
+    assert_eq!(place.files(), ["scene.obj"]);
+}
+
+#[test]
+fn parts_from_several_runs_merge_to_the_same_bytes() {
+    let place = Place::new();
+    place.write_scene();
+    let bake = |more: &[&str]| place.json(&[&["bake", "scene.obj", "--rays", "128", "--bounces", "2"], more].concat());
+    let whole = bake(&[]);
+    let expected = fs::read(place.path("scene.prt")).unwrap();
+    for part in ["1/3", "2/3", "3/3"] {
+        let report = bake(&["--part", part]);
+        assert_eq!(number(&report, "/part/1"), 3.0);
+        assert!(number(&report, "/rays_traced") < 0.5 * number(&whole, "/rays_traced"));
+    }
+    fs::remove_file(place.path("scene.prt")).unwrap();
+    // A farm has the parts, not the scene.
+    fs::remove_file(place.path("scene.obj")).unwrap();
+    let parts = ["scene.2-of-3.part", "scene.3-of-3.part", "scene.1-of-3.part"];
+    assert_eq!(place.files(), ["scene.1-of-3.part", "scene.2-of-3.part", "scene.3-of-3.part"]);
+    place.refuses(&[&["merge", "-o", "scene.prt"], &parts[..2]].concat(), 1, &["of 3 parts", "missing: 1"]);
+    place.refuses(&["merge", "-o", parts[0], parts[0]], 1, &["it is the file to read"]);
+    let merged = place.json(&[&["merge", "-o", "scene.prt"], parts.as_slice()].concat());
+    assert_eq!(fs::read(place.path("scene.prt")).unwrap(), expected);
+    assert_eq!(number(&merged, "/rays_traced"), number(&whole, "/rays_traced"));
+    assert_eq!(number(&merged, "/output_bytes"), expected.len() as f64);
+}
+
+#[test]
+fn update_bakes_only_what_changed() {
+    let place = Place::new();
+    place.write_scene();
+    let up_to_date = |more: &[&str]| {
+        let bake = ["bake", "scene.obj", "--rays", "32", "--update"];
+        place.json(&[bake.as_slice(), more].concat())["up_to_date"].as_bool().unwrap()
+    };
+    assert!(!up_to_date(&[]));
+    assert!(up_to_date(&[]) && up_to_date(&["--threads", "1", "--nice", "5"]));
+    assert!(!up_to_date(&["--order", "3"]) && up_to_date(&["--order", "3"]));
+    let text = fs::read_to_string(place.path("scene.obj")).unwrap();
+    // A comment changes the file, but nothing of the mesh.
+    place.write("scene.obj", format!("# touched\n{text}"));
+    assert!(up_to_date(&["--order", "3"]));
+    place.write("scene.obj", text.replacen("v ", "v 0.1", 1));
+    assert!(!up_to_date(&["--order", "3"]));
+    let run = place.run(&["bake", "scene.obj", "--rays", "32", "--update", "--order", "3"]);
+    assert_eq!(run.stdout, "scene.prt is up to date\n");
+}
+
+#[test]
+fn wrong_usage_of_parts_has_status_2() {
+    let place = Place::new();
+    place.write_scene();
+    for part in ["0/2", "3/2", "x", "1/0", "1"] {
+        place.refuses(&["bake", "scene.obj", "--part", part], 2, &["part"]);
+    }
+    place.refuses(&["bake", "scene.obj", "--resume", "--restart"], 2, &["--restart"]);
+    place.refuses(&["bake", "scene.obj", "--nice", "20"], 2, &["20"]);
+    place.refuses(&["bake", "bumps", "--part", "1/2"], 2, &["height field"]);
+    place.refuses(&["merge", "-o", "a.prt"], 2, &["PART"]);
+    place.refuses(&["merge", "scene.obj", "-o", "a.prt"], 1, &["scene.obj is not a valid bake journal"]);
+}
