@@ -156,6 +156,33 @@ fn update_bakes_only_what_changed() {
 }
 
 #[test]
+fn several_meshes_are_baked_each_and_only_where_they_changed() {
+    let place = Place::new();
+    place.write_scene();
+    let text = fs::read_to_string(place.path("scene.obj")).unwrap();
+    place.write("other.obj", text.replacen("v ", "v 0.1", 1));
+    place.write("broken.obj", "v 0 0 0\n");
+    fs::create_dir(place.path("out")).unwrap();
+    let bake = ["bake", "scene.obj", "other.obj", "-o", "out", "--rays", "32", "--update"];
+    let state = || {
+        let report = place.json(&bake);
+        ["/scenes/0", "/scenes/1"].map(|scene| report.pointer(scene).unwrap()["up_to_date"].as_bool().unwrap())
+    };
+    assert_eq!((state(), state()), ([false; 2], [true; 2]));
+    place.write("other.obj", &text);
+    assert_eq!(state(), [true, false]);
+    assert_eq!(fs::read_dir(place.path("out")).unwrap().count(), 2);
+    // What cannot be baked does not hold up the rest.
+    let run = place.run(&["bake", "broken.obj", "scene.obj", "--rays", "16", "--json"]);
+    assert_eq!(run.status, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("broken.obj holds no faces") && run.stderr.contains("1 of 2 scenes"), "{}", run.stderr);
+    assert!(place.path("scene.prt").exists() && run.stdout.contains("\"failed\":[{"), "{}", run.stdout);
+    place.refuses(&["bake", "scene.obj", "out/../scene.obj"], 1, &["two of the scenes"]);
+    place.refuses(&["bake", "scene.obj", "other.obj", "-o", "scene.obj"], 1, &["scene.obj is not a folder"]);
+    place.refuses(&["bake", "bumps", "scene.obj"], 2, &["one at a time"]);
+}
+
+#[test]
 fn wrong_usage_of_parts_has_status_2() {
     let place = Place::new();
     place.write_scene();

@@ -1,5 +1,6 @@
 mod keeping;
 mod report;
+mod several;
 
 use std::path::{Path, PathBuf};
 
@@ -25,9 +26,10 @@ use report::{Report, Seconds};
 /// there, to the same bytes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// The mesh, or the height field
-    scene: PathBuf,
-    /// The baked file; by default the name of the scene with .prt, in the current folder
+    /// The mesh, or the height field; several meshes are baked one after another
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    /// The baked file, or the folder for several; by default the name of the scene with .prt, in the current folder
     #[arg(short, long, value_name = "OUT.prt")]
     output: Option<PathBuf>,
     /// Bands of spherical harmonics, 1 to 32: n² coefficients per vertex
@@ -73,10 +75,6 @@ pub(crate) fn default_output(scene: &Path) -> PathBuf {
 }
 
 impl Arguments {
-    fn output(&self) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| self.keeping.default_output(&self.scene))
-    }
-
     /// What a height field takes of the options.
     fn common(&self) -> Common {
         Common {
@@ -115,41 +113,54 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.unshadowed && arguments.bounces > 0 {
         return Err(output::usage("--bounces needs shadowed transfer: leave out --unshadowed"));
     }
-    if let Some(origin) = Origin::of(&arguments.scene) {
-        if arguments.keeping.is_asked_for() {
-            return Err(output::usage(
-                "--resume, --restart, --update and --part are for meshes; the scene is a height field",
-            ));
+    let origins: Vec<Origin> = arguments.scenes.iter().filter_map(|scene| Origin::of(scene)).collect();
+    match (arguments.scenes.as_slice(), origins.as_slice()) {
+        ([scene], [origin]) => run_patch(arguments, scene, origin),
+        (_, [_, ..]) => Err(output::usage("height fields are baked one at a time")),
+        _ if arguments.patch.is_asked_for() => {
+            Err(output::usage("--height, --texels, --sigma-s and --brdf are for height fields; the scene is a mesh"))
         }
-        return bake_patch::run(&arguments.scene, &origin, &arguments.patch, &arguments.common());
+        ([scene], _) => run_mesh(arguments, scene),
+        (scenes, _) => several::run(arguments, scenes),
     }
-    if arguments.patch.is_asked_for() {
+}
+
+fn run_patch(arguments: &Arguments, scene: &Path, origin: &Origin) -> anyhow::Result<()> {
+    if arguments.keeping.is_asked_for() {
         return Err(output::usage(
-            "--height, --texels, --sigma-s and --brdf are for height fields; the scene is a mesh",
+            "--resume, --restart, --update and --part are for meshes; the scene is a height field",
         ));
     }
-    let mut laps = Laps::start();
-    let output = arguments.output();
+    bake_patch::run(scene, origin, &arguments.patch, &arguments.common())
+}
+
+fn run_mesh(arguments: &Arguments, scene: &Path) -> anyhow::Result<()> {
+    let output = arguments.output.clone().unwrap_or_else(|| arguments.keeping.default_output(scene));
     output_file::check(&output)?;
-    output_file::check_differs(&output, &arguments.scene)?;
     cancel::listen()?;
     arguments.keeping.lower_priority()?;
-    let (mesh, mesh_report) = load(arguments)?;
-    let target = arguments.keeping.target(output, Source::of_file(&arguments.scene)?);
-    let load = laps.lap();
-    cancel::check()?;
-    let baked = bake_file(&mesh, &arguments.bake_options(), &target, &arguments.scene.display().to_string())?;
-    let baked_after = laps.lap();
-    let seconds = Seconds::new(load, baked_after, laps.total(), &baked.bake);
-    let report = Report::new(arguments, &target, &mesh, &mesh_report, &baked, seconds);
+    let report = bake_mesh(arguments, scene, output)?;
     output::result(arguments.json, &report, || report.summary())
 }
 
-/// Reads and cleans the mesh.
-fn load(arguments: &Arguments) -> anyhow::Result<(Mesh, MeshReport)> {
-    let source = load_mesh(&arguments.scene)?;
+/// Bakes one mesh into a file.
+fn bake_mesh(arguments: &Arguments, scene: &Path, output: PathBuf) -> anyhow::Result<Report> {
+    let mut laps = Laps::start();
+    output_file::check_differs(&output, scene)?;
+    let (mesh, cleaning) = load(arguments, scene)?;
+    let target = arguments.keeping.target(output, Source::of_file(scene)?);
+    let load = laps.lap();
     cancel::check()?;
-    Mesh::new(source, &arguments.mesh_options()).map_err(|error| name_file(error, &arguments.scene.display()))
+    let file = bake_file(&mesh, &arguments.bake_options(), &target, &scene.display().to_string())?;
+    let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
+    Ok(Report::new(arguments, scene, &target, &mesh, &cleaning, &file, seconds))
+}
+
+/// Reads and cleans the mesh.
+fn load(arguments: &Arguments, scene: &Path) -> anyhow::Result<(Mesh, MeshReport)> {
+    let source = load_mesh(scene)?;
+    cancel::check()?;
+    Mesh::new(source, &arguments.mesh_options()).map_err(|error| name_file(error, &scene.display()))
 }
 
 /// Bakes with a progress bar.

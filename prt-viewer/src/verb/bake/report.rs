@@ -1,5 +1,7 @@
 //! What the verb tells of a bake.
 
+use std::path::Path;
+
 use prt_bake::{BakeReport, BakeTarget, FileReport, Mesh, MeshReport};
 use serde::Serialize;
 
@@ -67,6 +69,7 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn new(
         arguments: &Arguments,
+        scene: &Path,
         target: &BakeTarget,
         mesh: &Mesh,
         cleaning: &MeshReport,
@@ -76,7 +79,7 @@ impl Report {
         let part = Some(target.part).filter(|part| !part.is_whole());
         let bake = &file.bake;
         Self {
-            scene: arguments.scene.display().to_string(),
+            scene: scene.display().to_string(),
             output: target.path.display().to_string(),
             up_to_date: file.was_up_to_date,
             part: part.map(|part| [part.number(), part.count()]),
