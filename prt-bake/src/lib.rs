@@ -51,7 +51,7 @@ pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};
 pub use load::load_mesh;
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
-pub use options::BakeOptions;
+pub use options::{BakeOptions, InsidePolicy};
 #[cfg(feature = "trace")]
 pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, ScatteringReport, bake_patch};
 pub use progress::{Pass, Progress};

@@ -1,6 +1,6 @@
 //! Light that arrives after reflections, pass by pass.
 
-use super::HitRecord;
+use super::{HitRecord, InsidePlan};
 use crate::parallel::Threads;
 use crate::{Error, Progress, TransferVectors};
 
@@ -14,6 +14,7 @@ pub(crate) struct Bounces<'a> {
     outgoing: TransferVectors,
     total: TransferVectors,
     direct_length: f64,
+    inside: Option<&'a InsidePlan>,
 }
 
 impl<'a> Bounces<'a> {
@@ -22,7 +23,13 @@ impl<'a> Bounces<'a> {
         let channels = if albedo.iter().all(|[r, g, b]| r == g && g == b) { 1 } else { 3 };
         let total = with_channels(direct, channels);
         let outgoing = reflected(albedo, &total);
-        Self { triangles, albedo, outgoing, direct_length: length(&total), total }
+        Self { triangles, albedo, outgoing, direct_length: length(&total), total, inside: None }
+    }
+
+    /// Replaces what arrives at vertices inside of solids after every pass, so that they do not darken what faces reflect that reach to
+    /// them.
+    pub(crate) fn with_inside(self, plan: &'a InsidePlan) -> Self {
+        Self { inside: Some(plan), ..self }
     }
 
     /// One more bounce: `M_b(p) = Σ w ρ(q) M_{b-1}(q)` over the hits `q` of `p`. Returns the length of what it added, relative
@@ -46,6 +53,7 @@ impl<'a> Bounces<'a> {
                 0
             },
         )?;
+        self.inside.into_iter().for_each(|plan| plan.apply(&mut arriving));
         self.total.values.iter_mut().zip(&arriving.values).for_each(|(total, added)| *total += added);
         self.outgoing = reflected(self.albedo, &arriving);
         Ok(length(&arriving) / self.direct_length.max(f64::MIN_POSITIVE))

@@ -5,8 +5,11 @@
 mod bounce;
 mod direct;
 mod hit;
+mod inside;
+mod nearest;
 mod origin;
 mod stats;
+mod validity;
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +20,9 @@ pub(crate) use bounce::Bounces;
 use direct::DirectPass;
 pub(crate) use direct::add_scaled;
 pub(crate) use hit::HitRecord;
+pub(crate) use inside::InsidePlan;
 pub use stats::VertexStats;
+use validity::ValidityTest;
 
 /// What a bake did.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,6 +41,8 @@ pub struct BakeReport {
     pub error: Option<f64>,
     /// Mean length of what each bounce added, relative to the direct transfer.
     pub bounce_energy: Vec<f64>,
+    /// Vertices that lie inside of solids: those that are not [valid](VertexStats::is_valid).
+    pub invalid_vertices: usize,
     /// What was found at each vertex; empty where no ray was traced.
     pub vertices: Vec<VertexStats>,
 }
@@ -71,12 +78,16 @@ pub fn bake_diffuse(
 
     let start = Instant::now();
     let direct = DirectPass { scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
-    let (shadowed, hits) = shadowed(&direct, options, &threads, progress, &mut report)?;
+    let validity = ValidityTest::new(&scene, mesh);
+    let (mut shadowed, hits) = shadowed(&direct, &validity, options, &threads, progress, &mut report)?;
     report.error = Some(estimate_error(&direct, options, &shadowed));
+    let plan = inside_plan(mesh, options, &mut report);
+    plan.apply(&mut shadowed);
     let mut baked = surface(mesh, options, shadowed);
     if options.bounces > 0 {
-        interreflect(mesh, options, &hits, &mut baked, &threads, progress, &mut report)?;
+        interreflect(mesh, options, &plan, &hits, &mut baked, &threads, progress, &mut report)?;
     }
+    baked.metadata.bounces = report.bounce_energy.len();
     report.trace = start.elapsed();
     baked.metadata.error = report.error;
     Ok((baked, report))
@@ -100,6 +111,7 @@ fn surface(mesh: &Mesh, options: &BakeOptions, transfer: TransferVectors) -> Bak
 /// Traces towards the light from every vertex; remembers the hits if light is to be reflected.
 fn shadowed(
     direct: &DirectPass,
+    validity: &ValidityTest,
     options: &BakeOptions,
     threads: &Threads,
     progress: &dyn Progress,
@@ -116,6 +128,7 @@ fn shadowed(
         || direct.scratch(),
         |scratch, vertex, (row, hits, stats)| {
             *stats = direct.shadowed_vector(scratch, vertex, row);
+            validity.complete(vertex, direct.origins[vertex], stats);
             if options.bounces > 0 {
                 stats.rays += direct.nearest_hits(scratch, vertex, hits);
             }
@@ -129,20 +142,33 @@ fn shadowed(
     Ok((transfer, hits))
 }
 
+/// Counts the vertices inside of solids, and says what becomes of them.
+fn inside_plan(mesh: &Mesh, options: &BakeOptions, report: &mut BakeReport) -> InsidePlan {
+    let is_valid: Vec<bool> = report.vertices.iter().map(VertexStats::is_valid).collect();
+    report.invalid_vertices = is_valid.iter().filter(|&&is_valid| !is_valid).count();
+    InsidePlan::new(options.inside, mesh.triangles(), mesh.positions(), &is_valid)
+}
+
 /// Adds the bounces to a surface that holds direct transfer.
+#[expect(clippy::too_many_arguments, reason = "the parts of one bake")]
 fn interreflect(
     mesh: &Mesh,
     options: &BakeOptions,
+    plan: &InsidePlan,
     hits: &[Vec<HitRecord>],
     baked: &mut BakedSurface,
     threads: &Threads,
     progress: &dyn Progress,
     report: &mut BakeReport,
 ) -> Result<(), Error> {
-    let mut bounces = Bounces::new(mesh.triangles(), mesh.albedo(), &baked.transfer);
+    let mut bounces = Bounces::new(mesh.triangles(), mesh.albedo(), &baked.transfer).with_inside(plan);
     for bounce in 1..=options.bounces {
         progress.start(Pass::Bounce(bounce), mesh.positions().len());
-        report.bounce_energy.push(bounces.next(hits, threads, progress)?);
+        let added = bounces.next(hits, threads, progress)?;
+        report.bounce_energy.push(added);
+        if options.bounce_threshold.is_some_and(|threshold| added < threshold) {
+            break;
+        }
     }
     let shadowed = std::mem::replace(&mut baked.transfer, bounces.into_total());
     baked.transfer_shadowed = options.keep_shadowed.then_some(shadowed);

@@ -98,6 +98,7 @@ impl Arguments {
             keep_shadowed: self.keep_shadowed,
             seed: self.seed,
             threads: self.threads,
+            ..BakeOptions::default()
         }
     }
 }
