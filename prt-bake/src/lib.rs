@@ -56,7 +56,7 @@ pub use image::{ExrPrecision, Image, save_png};
 pub use job::{BakeTarget, FileReport, Part, Unfinished, bake_to_file, merge_parts};
 pub use load::load_mesh;
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
-pub use options::BakeOptions;
+pub use options::{BakeOptions, InsidePolicy};
 #[cfg(feature = "trace")]
 pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, ScatteringReport, bake_patch};
 pub use progress::{Pass, Progress};

@@ -2,8 +2,47 @@
 
 use sh_core::Order;
 
-#[cfg(feature = "trace")]
 use crate::Error;
+
+/// What becomes of vertices that lie inside of solids, where parts of a model intersect.
+///
+/// They see nothing but the backs of faces, so their transfer is zero; faces that reach from such a vertex to a visible one then fade to
+/// black well before the intersection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InsidePolicy {
+    /// They take the transfer of the nearest vertices outside, along edges where possible. The default: they cannot be seen
+    /// themselves, so that nothing true is lost.
+    #[default]
+    Fill,
+    /// They keep what their own rays found: the truth at the vertex.
+    Keep,
+    /// They become black, even where a few of their rays slip out.
+    Black,
+}
+
+impl InsidePolicy {
+    /// The names `fill`, `keep` and `black`, in the order of the variants.
+    pub const NAMES: [&str; 3] = ["fill", "keep", "black"];
+}
+
+impl std::str::FromStr for InsidePolicy {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "fill" => Ok(Self::Fill),
+            "keep" => Ok(Self::Keep),
+            "black" => Ok(Self::Black),
+            _ => Err(Error::Option(format!("{name} is no policy for vertices inside: {}", Self::NAMES.join(", ")))),
+        }
+    }
+}
+
+impl std::fmt::Display for InsidePolicy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(Self::NAMES[*self as usize])
+    }
+}
 
 /// Settings of a bake of diffuse transfer.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +56,11 @@ pub struct BakeOptions {
     pub shadowed: bool,
     /// Diffuse interreflections that are followed; 0 is direct light alone. Needs `shadowed`.
     pub bounces: usize,
+    /// Interreflection stops after the first pass that adds less than this share of the length of the direct transfer; it never takes more
+    /// passes than `bounces`. `None` takes all of them.
+    pub bounce_threshold: Option<f64>,
+    /// What becomes of vertices inside of solids.
+    pub inside: InsidePolicy,
     /// Keep the transfer of direct light beside the one with interreflections, so that a viewer can switch between them.
     pub keep_shadowed: bool,
     /// Rotates the set of directions. Same seed and options, same bytes, for any number of threads.
@@ -57,6 +101,9 @@ impl BakeOptions {
                 self.bounces
             ));
         }
+        if let Some(threshold) = self.bounce_threshold.filter(|threshold| !(0.0..1.0).contains(threshold)) {
+            return fail(format!("bounce threshold {threshold}; at least 0 and less than 1 is needed"));
+        }
         if self.threads == Some(0) {
             return fail("0 threads; at least 1 is needed".to_owned());
         }
@@ -65,13 +112,15 @@ impl BakeOptions {
 }
 
 impl Default for BakeOptions {
-    /// Shadowed transfer of order 6 from 4,096 rays a vertex, direct light alone, seed 0, all threads.
+    /// Shadowed transfer of order 6 from 4,096 rays a vertex, direct light alone, vertices inside of solids filled, seed 0, all threads.
     fn default() -> Self {
         Self {
             order: order(6),
             rays_per_vertex: 4096,
             shadowed: true,
             bounces: 0,
+            bounce_threshold: None,
+            inside: InsidePolicy::default(),
             keep_shadowed: false,
             seed: 0,
             threads: None,

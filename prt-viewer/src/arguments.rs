@@ -127,6 +127,11 @@ pub(crate) fn bounces(text: &str) -> Result<usize, String> {
     ranged(text, 0, BakeOptions::MAX_BOUNCES)
 }
 
+/// A part of a whole, less than all of it.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    ranged(text, 0.0, 0.999)
+}
+
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     ranged(text, 1, 4096)
 }

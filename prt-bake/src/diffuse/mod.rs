@@ -5,9 +5,12 @@
 mod bounce;
 mod direct;
 mod hit;
+mod inside;
+mod nearest;
 mod origin;
 mod probe;
 mod stats;
+mod validity;
 
 use std::time::Duration;
 
@@ -15,9 +18,11 @@ use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Progress
 pub(crate) use bounce::Reflection;
 pub(crate) use direct::{DirectPass, Scratch, add_scaled};
 pub(crate) use hit::HitRecord;
+pub(crate) use inside::InsidePlan;
 pub(crate) use origin::ray_origins;
 pub(crate) use probe::ErrorProbe;
 pub use stats::VertexStats;
+pub(crate) use validity::ValidityTest;
 
 /// What a bake did.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -38,6 +43,8 @@ pub struct BakeReport {
     pub error: Option<f64>,
     /// Mean length of what each bounce added, relative to the direct transfer.
     pub bounce_energy: Vec<f64>,
+    /// Vertices that lie inside of solids: those that are not [valid](VertexStats::is_valid).
+    pub invalid_vertices: usize,
     /// What was found at each vertex; empty where no ray was traced.
     pub vertices: Vec<VertexStats>,
 }

@@ -24,6 +24,15 @@ impl Default for VertexStats {
 }
 
 impl VertexStats {
+    /// A vertex is valid if at least this share of its directions does not end on the back of a face.
+    pub const VALID: f32 = 0.5;
+
+    /// Whether the vertex lies outside of all solids: its [`validity`](Self::validity) is at least [`VertexStats::VALID`].
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        self.validity >= Self::VALID
+    }
+
     /// Share of the directions above the horizon that meet something, counted without the cosine.
     #[must_use]
     pub fn occluded_share(&self) -> f32 {

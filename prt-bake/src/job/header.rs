@@ -35,6 +35,8 @@ pub(super) struct Settings {
     rays_per_vertex: usize,
     shadowed: bool,
     bounces: usize,
+    bounce_threshold: Option<f64>,
+    inside: String,
     keep_shadowed: bool,
     seed: u64,
 }
@@ -49,14 +51,33 @@ impl Key {
 impl Settings {
     pub(super) fn of(options: &BakeOptions) -> Self {
         // Without `..`: an option that is added must be thought of here.
-        let BakeOptions { order, rays_per_vertex, shadowed, bounces, keep_shadowed, seed, threads: _ } = *options;
-        Self { order: order.get(), rays_per_vertex, shadowed, bounces, keep_shadowed, seed }
+        let BakeOptions {
+            order,
+            rays_per_vertex,
+            shadowed,
+            bounces,
+            bounce_threshold,
+            inside,
+            keep_shadowed,
+            seed,
+            threads: _,
+        } = *options;
+        let (order, inside) = (order.get(), inside.to_string());
+        Self { order, rays_per_vertex, shadowed, bounces, bounce_threshold, inside, keep_shadowed, seed }
     }
 
     pub(super) fn options(&self, threads: Option<usize>) -> Result<BakeOptions, Error> {
-        let Self { order, rays_per_vertex, shadowed, bounces, keep_shadowed, seed } = *self;
-        let order = Order::new(order).map_err(|error| Error::Option(error.to_string()))?;
-        let options = BakeOptions { order, rays_per_vertex, shadowed, bounces, keep_shadowed, seed, threads };
+        let options = BakeOptions {
+            order: Order::new(self.order).map_err(|error| Error::Option(error.to_string()))?,
+            rays_per_vertex: self.rays_per_vertex,
+            shadowed: self.shadowed,
+            bounces: self.bounces,
+            bounce_threshold: self.bounce_threshold,
+            inside: self.inside.parse()?,
+            keep_shadowed: self.keep_shadowed,
+            seed: self.seed,
+            threads,
+        };
         options.validate()?;
         Ok(options)
     }

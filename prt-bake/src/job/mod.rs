@@ -13,6 +13,7 @@ mod trace;
 
 use std::time::Instant;
 
+use crate::diffuse::InsidePlan;
 use crate::parallel::Threads;
 use crate::{BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, VertexStats};
 
@@ -71,8 +72,9 @@ fn finished(
 ) -> Result<BakedSurface, Error> {
     let start = Instant::now();
     let (triangles, albedo) = (&geometry.triangles, &geometry.albedo);
-    let &BakeOptions { order, bounces, .. } = options;
-    let reflector = Reflector { journal, triangles, albedo, order, bounces, threads };
+    let &BakeOptions { order, bounces, bounce_threshold: threshold, .. } = options;
+    let inside = &inside_plan(&geometry, options, &report.vertices);
+    let reflector = Reflector { journal, triangles, albedo, order, bounces, threshold, inside, threads };
     report.bounce_energy = reflector.reflect(progress)?;
     let bounces = report.bounce_energy.len();
     let is_kept = options.keep_shadowed && bounces > 0;
@@ -91,6 +93,13 @@ fn finished(
     Ok(BakedSurface { metadata, geometry, transfer, transfer_shadowed })
 }
 
+/// What becomes of the vertices inside of solids. Positions are those of the file, for that is all that merging has.
+fn inside_plan(geometry: &Geometry, options: &BakeOptions, vertices: &[VertexStats]) -> InsidePlan {
+    let positions: Vec<[f64; 3]> = geometry.positions.iter().map(|position| position.map(f64::from)).collect();
+    let is_valid: Vec<bool> = vertices.iter().map(VertexStats::is_valid).collect();
+    InsidePlan::new(options.inside, &geometry.triangles, &positions, &is_valid)
+}
+
 /// Takes down what was found at the vertices.
 fn count(report: &mut BakeReport, vertices: Vec<VertexStats>) {
     let sum = |count: fn(&VertexStats) -> u32| vertices.iter().map(|stats| u64::from(count(stats))).sum::<u64>();
@@ -99,6 +108,7 @@ fn count(report: &mut BakeReport, vertices: Vec<VertexStats>) {
     let errors = vertices.iter().map(|stats| f64::from(stats.error)).filter(|error| !error.is_nan());
     let (count, squares) = errors.fold((0_u32, 0.0), |(count, sum), error| (count + 1, sum + error * error));
     report.error = (count > 0).then(|| (squares / f64::from(count)).sqrt());
+    report.invalid_vertices = vertices.iter().filter(|stats| !stats.is_valid()).count();
     report.vertices = vertices;
 }
 

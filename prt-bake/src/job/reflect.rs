@@ -4,7 +4,7 @@ use sh_core::Order;
 
 use super::blocks::Blocks;
 use super::journal::Journal;
-use crate::diffuse::Reflection;
+use crate::diffuse::{InsidePlan, Reflection};
 use crate::parallel::Threads;
 use crate::{Error, Pass, Progress, TransferVectors};
 
@@ -18,6 +18,10 @@ pub(crate) struct Reflector<'a> {
     pub(crate) order: Order,
     /// How many bounces to follow.
     pub(crate) bounces: usize,
+    /// Stop after a bounce that adds less than this share of the length of the direct transfer.
+    pub(crate) threshold: Option<f64>,
+    /// What replaces the transfer of vertices inside of solids, in every pass.
+    pub(crate) inside: &'a InsidePlan,
     pub(crate) threads: &'a Threads,
 }
 
@@ -46,7 +50,11 @@ impl Reflector<'_> {
             progress.start(Pass::Bounce(bounce), self.albedo.len());
             self.bounce(bounce, before, progress)?;
             before = self.read_pass(bounce)?;
-            added.push(length(&before) / direct_length.max(f64::MIN_POSITIVE));
+            let share = length(&before) / direct_length.max(f64::MIN_POSITIVE);
+            added.push(share);
+            if self.threshold.is_some_and(|threshold| share < threshold) {
+                break;
+            }
         }
         Ok(added)
     }
@@ -88,6 +96,7 @@ impl Reflector<'_> {
                 out.chunks_exact_mut(length).for_each(|out| out.copy_from_slice(row));
             }
         }
+        self.inside.apply(&mut transfer);
         Ok(transfer)
     }
 
@@ -110,6 +119,7 @@ impl Reflector<'_> {
                 sums.iter_mut().zip(&rows).for_each(|(sum, &added)| *sum += added);
             }
         }
+        self.inside.apply(&mut total);
         Ok(total)
     }
 }

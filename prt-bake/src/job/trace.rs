@@ -6,7 +6,7 @@ use super::Part;
 use super::block::HitLists;
 use super::blocks::Blocks;
 use super::journal::Journal;
-use crate::diffuse::{DirectPass, ErrorProbe, Scratch, ray_origins};
+use crate::diffuse::{DirectPass, ErrorProbe, Scratch, ValidityTest, ray_origins};
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
 use crate::{BakeOptions, BakeReport, Error, Mesh, Pass, Progress, Scene, VertexStats};
@@ -37,7 +37,8 @@ pub(super) fn trace(
     let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
     let direct = DirectPass { scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
     let probe = ErrorProbe::new(options, mesh.positions().len());
-    let tracer = Tracer { direct, probe, keep_hits: options.bounces > 0, blocks, journal, progress };
+    let validity = ValidityTest::new(&scene, mesh);
+    let tracer = Tracer { direct, validity, probe, keep_hits: options.bounces > 0, blocks, journal, progress };
     report.build = start.elapsed();
     threads.for_each_block(
         &missing,
@@ -50,6 +51,7 @@ pub(super) fn trace(
 /// All that the blocks of the first pass share.
 struct Tracer<'a> {
     direct: DirectPass<'a>,
+    validity: ValidityTest<'a>,
     probe: ErrorProbe,
     keep_hits: bool,
     blocks: Blocks,
@@ -70,6 +72,7 @@ impl Tracer<'_> {
                 return Err(Error::Cancelled);
             }
             *stats = self.direct.shadowed_vector(scratch, vertex, row);
+            self.validity.complete(vertex, self.direct.origins[vertex], stats);
             if self.keep_hits {
                 found.clear();
                 stats.rays += self.direct.nearest_hits(scratch, vertex, &mut found);

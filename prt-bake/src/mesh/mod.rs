@@ -8,7 +8,8 @@ use crate::Error;
 #[cfg(feature = "trace")]
 use crate::hash::Content;
 
-use weld::weld_positions;
+#[cfg_attr(not(feature = "trace"), expect(unused_imports, reason = "a bake fills across coincident positions"))]
+pub(crate) use weld::weld_positions;
 
 /// A mesh as a file gives it, before it is checked: the input of [`Mesh::new`].
 ///

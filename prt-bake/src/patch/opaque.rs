@@ -5,6 +5,7 @@ use super::direct::{DirectPass, Found};
 use super::field::HeightField;
 use super::options::PatchOptions;
 use super::surface::Surface;
+use crate::diffuse::InsidePlan;
 use crate::job::{Blocks, HitLists, Journal, Reflector};
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
@@ -55,6 +56,8 @@ impl<'a> Opaque<'a> {
             albedo: &albedo,
             order: self.options.order,
             bounces,
+            threshold: None,
+            inside: &InsidePlan::default(),
             threads: &self.threads,
         };
         report.bounce_energy.extend(reflector.reflect(progress)?);

@@ -5,8 +5,8 @@ mod several;
 use std::path::{Path, PathBuf};
 
 use prt_bake::{
-    BakeOptions, BakeReport, BakeTarget, BakedSurface, Error, FileReport, Mesh, MeshOptions, MeshReport, Source,
-    bake_diffuse, bake_to_file, load_mesh,
+    BakeOptions, BakeReport, BakeTarget, BakedSurface, Error, FileReport, InsidePolicy, Mesh, MeshOptions, MeshReport,
+    Source, bake_diffuse, bake_to_file, load_mesh,
 };
 use sh_core::Order;
 
@@ -38,9 +38,15 @@ pub(crate) struct Arguments {
     /// Rays per vertex or texel, over the hemisphere
     #[arg(long, value_name = "COUNT", default_value = "4096", value_parser = arguments::rays)]
     rays: usize,
-    /// Diffuse interreflections to follow
-    #[arg(long, value_name = "COUNT", default_value = "0", value_parser = arguments::bounces)]
-    bounces: usize,
+    /// Diffuse interreflections to follow [default: 0, or as many as --bounce-threshold takes]
+    #[arg(long, value_name = "COUNT", value_parser = arguments::bounces)]
+    bounces: Option<usize>,
+    /// Follow interreflections until one adds less than this share of the direct transfer
+    #[arg(long, value_name = "SHARE", value_parser = arguments::share)]
+    bounce_threshold: Option<f64>,
+    /// What becomes of vertices inside of solids: fill them from their neighbours, keep what they see, or make them black
+    #[arg(long, value_name = "POLICY", default_value = "fill", value_parser = InsidePolicy::NAMES)]
+    inside: String,
     /// Rotates the set of rays; the same seed gives the same file
     #[arg(long, default_value = "0")]
     seed: u64,
@@ -81,13 +87,19 @@ impl Arguments {
             output: self.output.clone(),
             order: self.order,
             rays: self.rays,
-            bounces: self.bounces,
+            bounces: self.bounce_count(),
             seed: self.seed,
             threads: self.threads,
             shadowed: !self.unshadowed,
             albedo: self.albedo,
             json: self.json,
         }
+    }
+
+    /// Most bounces to follow.
+    fn bounce_count(&self) -> usize {
+        let most = if self.bounce_threshold.is_some() { BakeOptions::MAX_BOUNCES } else { 0 };
+        self.bounces.unwrap_or(most)
     }
 
     fn mesh_options(&self) -> MeshOptions {
@@ -101,7 +113,9 @@ impl Arguments {
             order: self.order,
             rays_per_vertex: self.rays,
             shadowed: !self.unshadowed,
-            bounces: self.bounces,
+            bounces: self.bounce_count(),
+            bounce_threshold: self.bounce_threshold,
+            inside: self.inside.parse().unwrap_or_default(),
             keep_shadowed: self.keep_shadowed,
             seed: self.seed,
             threads: self.threads,
@@ -110,7 +124,7 @@ impl Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if arguments.unshadowed && arguments.bounces > 0 {
+    if arguments.unshadowed && arguments.bounce_count() > 0 {
         return Err(output::usage("--bounces needs shadowed transfer: leave out --unshadowed"));
     }
     let origins: Vec<Origin> = arguments.scenes.iter().filter_map(|scene| Origin::of(scene)).collect();

@@ -44,6 +44,8 @@ pub(super) struct Report {
     faces_not_finite: usize,
     vertices_unused: usize,
     vertices_split: usize,
+    /// Vertices inside of solids.
+    vertices_invalid: usize,
     order: usize,
     /// `null` for a part, and if nothing was baked.
     channels: Option<usize>,
@@ -91,6 +93,7 @@ impl Report {
             faces_not_finite: cleaning.non_finite,
             vertices_unused: cleaning.vertices_unused,
             vertices_split: cleaning.vertices_split,
+            vertices_invalid: bake.invalid_vertices,
             order: arguments.order.get(),
             channels: file.channels,
             rays_per_vertex: if arguments.unshadowed { 0 } else { arguments.rays },

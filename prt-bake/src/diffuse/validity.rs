@@ -1,0 +1,65 @@
+//! Which vertices lie inside of solids.
+
+use glam::{DVec3, Vec3};
+use sh_core::Order;
+
+use super::VertexStats;
+use crate::sampling::{DirectionSet, PACKET_SIZE};
+use crate::scene::{Hits, Stack};
+use crate::{Mesh, Scene};
+
+/// Directions over the sphere along which the nearest hit is looked up, about half of them above a vertex. They are the same for every
+/// bake, so that validity depends on the mesh alone.
+const DIRECTIONS: usize = 2 * PACKET_SIZE;
+
+/// A vertex of which a smaller share of the directions is occluded is not looked at more closely: its validity is 1. Vertices inside
+/// of closed solids are occluded all around; see [`VertexStats::VALID`] for what was measured.
+const SUSPECT_OCCLUSION: f32 = 0.9;
+
+/// Finds out on which sides of faces the directions of a vertex end.
+#[derive(Debug)]
+pub(crate) struct ValidityTest<'a> {
+    scene: &'a Scene,
+    mesh: &'a Mesh,
+    directions: DirectionSet,
+}
+
+impl<'a> ValidityTest<'a> {
+    pub(crate) fn new(scene: &'a Scene, mesh: &'a Mesh) -> Self {
+        let order = Order::new(1).expect("1 is an order");
+        Self { scene, mesh, directions: DirectionSet::new(DIRECTIONS, order, 0) }
+    }
+
+    /// Completes what was found at a vertex by its validity, and counts the rays that it took.
+    pub(crate) fn complete(&self, vertex: usize, origin: Vec3, stats: &mut VertexStats) {
+        if stats.occluded_share() >= SUSPECT_OCCLUSION {
+            let (backs, rays) = self.backs(Vec3::from_array(self.mesh.normals()[vertex]), origin);
+            stats.validity = 1.0 - backs as f32 / rays.max(1) as f32;
+            stats.rays += rays;
+        }
+    }
+
+    /// How many of the directions above the horizon end on the back of a face, and how many there are.
+    fn backs(&self, normal: Vec3, origin: Vec3) -> (u32, u32) {
+        let (mut hits, mut stack) = (Hits::default(), Stack::default());
+        let (mut backs, mut rays) = (0, 0);
+        for (packet, directions) in self.directions.packets.iter().zip(self.directions.directions.chunks(PACKET_SIZE)) {
+            let is_above = |lane: &usize| normal.dot(directions[*lane]) > 0.0;
+            let above = (0..directions.len()).filter(is_above).fold(0, |bits, lane| bits | 1_u64 << lane);
+            self.scene.closest_packet(origin, packet, above, &mut hits, &mut stack);
+            rays += above.count_ones();
+            let found = (0..directions.len()).filter_map(|lane| self.scene.hit(&hits, lane));
+            backs += found.filter(|hit| hit.is_front == is_turned(self.mesh, hit.triangle)).count() as u32;
+        }
+        (backs, rays)
+    }
+}
+
+/// Whether the corners of a face run clockwise seen from the side that the normals of its vertices point to. Its outside is where they
+/// point: so a part whose faces are turned inside out, but whose normals are right, is not taken for the inside of a solid.
+fn is_turned(mesh: &Mesh, triangle: u32) -> bool {
+    let corners = mesh.triangles()[triangle as usize];
+    let [a, b, c] = corners.map(|vertex| DVec3::from_array(mesh.positions()[vertex as usize]));
+    let outward: Vec3 = corners.map(|vertex| Vec3::from_array(mesh.normals()[vertex as usize])).iter().sum();
+    (b - a).cross(c - a).dot(outward.as_dvec3()) < 0.0
+}
