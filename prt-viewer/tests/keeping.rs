@@ -71,6 +71,36 @@ fn killing_it_again_and_again_loses_nothing_and_ends_with_the_same_bytes() {
 }
 
 #[test]
+fn memory_is_that_of_the_mesh_the_tree_and_the_output() {
+    let place = Place::new();
+    let cells = 150;
+    let mut text = String::new();
+    for i in 0..=cells {
+        for k in 0..=cells {
+            let [x, z] = [i, k].map(|k| f64::from(k) / f64::from(cells) - 0.5);
+            text += &format!("v {x} {} {z}\n", 2.0 * x.abs());
+        }
+    }
+    for a in (1..=cells * (cells + 1)).filter(|a| a % (cells + 1) != 0) {
+        text += &format!("f {a} {} {} {}\n", a + 1, a + cells + 2, a + cells + 1);
+    }
+    place.write("scene.obj", text);
+    let report = place.json(&["bake", "scene.obj", "--rays", "1024", "--bounces", "2", "--order", "5"]);
+    // The hits for reflection alone, at 12 bytes each, are more than is allowed for.
+    let hits = 12.0 * number(&report, "/rays_traced") * number(&report, "/occluded_share") / 1.5;
+    assert!(hits > 70e6, "{hits}");
+    // Per vertex: f64 and f32 positions, normals, albedo. Per triangle: corners, number, two nodes; three indices twice.
+    let mesh = 72.0 * number(&report, "/vertices") + 24.0 * number(&report, "/triangles");
+    let tree = 104.0 * number(&report, "/triangles");
+    let bound = mesh + tree + number(&report, "/output_bytes") + 64e6;
+    let peak = number(&report, "/peak_memory_bytes");
+    eprintln!("peak {:.1} MB, bound {:.1} MB, hits {:.1} MB", peak / 1e6, bound / 1e6, hits / 1e6);
+    if cfg!(target_os = "linux") {
+        assert!(peak < bound, "{peak} of {bound}");
+    }
+}
+
+#[test]
 fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let place = Place::new();
     place.write_scene();

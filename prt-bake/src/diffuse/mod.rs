@@ -78,6 +78,7 @@ fn unshadowed(mesh: &Mesh, options: &BakeOptions) -> BakedSurface {
         geometry: Geometry::of(mesh),
         transfer: TransferVectors::unshadowed(options.order, mesh.normals()),
         transfer_shadowed: None,
+        validity: None,
     }
 }
 

@@ -48,6 +48,10 @@ fn surface(map: &BTreeMap<String, String>, file: &Tensors) -> Result<BakedSurfac
         metadata: metadata(map)?,
         transfer: transfer("transfer")?,
         transfer_shadowed: file.has("transfer_shadowed").then(|| transfer("transfer_shadowed")).transpose()?,
+        validity: file
+            .has("validity")
+            .then(|| file.floats("validity", &[Some(geometry.vertex_count())]))
+            .transpose()?,
         geometry,
     })
 }

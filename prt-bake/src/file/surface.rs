@@ -8,7 +8,7 @@ use crate::{Error, Geometry, TransferVectors};
 /// A surface with its baked transfer: all that shading needs, and how it was made.
 ///
 /// In the file: `position`, `normal`, `albedo` `[V, 3]` f32, `index` `[T, 3]` u32, `transfer` `[V, C, n²]` f32, and where they
-/// exist `uv` `[V, 2]` and `transfer_shadowed` `[V, 1, n²]`. All are row-major and little-endian.
+/// exist `uv` `[V, 2]`, `transfer_shadowed` `[V, 1, n²]` and `validity` `[V]`. All are row-major and little-endian.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakedSurface {
     /// How the transfer was made.
@@ -19,6 +19,9 @@ pub struct BakedSurface {
     pub transfer: TransferVectors,
     /// Transfer of direct light alone, if `transfer` has interreflections and this was kept beside it. One channel.
     pub transfer_shadowed: Option<TransferVectors>,
+    /// For each vertex the share of its directions that do not end on the back of a face: near 1 outside of all solids, near 0 inside one,
+    /// where the transfer is not to be relied on. `None` for transfer without shadows.
+    pub validity: Option<Vec<f32>>,
 }
 
 impl BakedSurface {
@@ -68,6 +71,9 @@ impl BakedSurface {
     fn check(&self) -> Result<(), Error> {
         self.geometry.check_lengths()?;
         self.geometry.check_count("transfer vectors", self.transfer.vertex_count())?;
+        if let Some(validity) = &self.validity {
+            self.geometry.check_count("validities", validity.len())?;
+        }
         if let Some(shadowed) = &self.transfer_shadowed {
             self.geometry.check_count("shadowed transfer vectors", shadowed.vertex_count())?;
         }

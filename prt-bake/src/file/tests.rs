@@ -35,6 +35,7 @@ fn surface() -> BakedSurface {
         geometry: geometry(),
         transfer: TransferVectors { order, channels: 3, values: (0..36).map(value).collect() },
         transfer_shadowed: Some(TransferVectors { order, channels: 1, values: (0..12).map(value).collect() }),
+        validity: Some(vec![1.0, 0.25, 0.0]),
     }
 }
 
@@ -85,7 +86,8 @@ fn tensors_have_the_promised_names_types_and_shapes() {
             "position F32 [3, 3]",
             "transfer F32 [3, 3, 4]",
             "transfer_shadowed F32 [3, 1, 4]",
-            "uv F32 [3, 2]"
+            "uv F32 [3, 2]",
+            "validity F32 [3]"
         ]
     );
     assert_eq!(info.metadata["format"], "prt/1");

@@ -71,6 +71,11 @@ fn surface_parts(surface: &BakedSurface) -> (BTreeMap<&'static str, String>, Vec
         let shape = vec![surface.geometry.vertex_count(), transfer.channels, transfer.order.coeff_count()];
         tensors.push(Tensor { name, shape, values: Values::F32(&transfer.values) });
     }
+    tensors.extend(surface.validity.as_ref().map(|validity| Tensor {
+        name: "validity",
+        shape: vec![validity.len()],
+        values: Values::F32(validity),
+    }));
     (metadata(&surface.metadata, VERTEX_TRANSFER, surface.transfer.order), tensors)
 }
 

@@ -90,7 +90,8 @@ fn finished(
         identity: Some(header.identity()),
         ..Metadata::default()
     };
-    Ok(BakedSurface { metadata, geometry, transfer, transfer_shadowed })
+    let validity = Some(report.vertices.iter().map(|stats| stats.validity).collect());
+    Ok(BakedSurface { metadata, geometry, transfer, transfer_shadowed, validity })
 }
 
 /// What becomes of the vertices inside of solids. Positions are those of the file, for that is all that merging has.

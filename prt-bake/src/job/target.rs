@@ -210,6 +210,7 @@ fn close_part(mesh: &Mesh, target: &BakeTarget, journal: Journal, report: BakeRe
         geometry: Geometry::of(mesh),
         transfer: TransferVectors::unshadowed(sh_core::Order::new(1).expect("1 is an order"), mesh.normals()),
         transfer_shadowed: None,
+        validity: None,
     };
     journal.append(SURFACE, &surface.to_bytes()?)?;
     journal.append(DONE, &[])?;

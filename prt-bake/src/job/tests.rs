@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use sh_core::Order;
 
 use super::*;
-use crate::{MeshOptions, MeshSource, Source, bake_diffuse};
+use crate::{InsidePolicy, MeshOptions, MeshSource, Source, bake_diffuse};
 
 /// A folded sheet in two colours: every vertex sees another.
 fn fold(cells: u32) -> Mesh {
@@ -24,6 +24,23 @@ fn fold(cells: u32) -> Mesh {
             }
         }
     }
+    Mesh::new(source, &MeshOptions::default()).unwrap().0
+}
+
+/// The sheet, and a box that stands through it: some of its vertices are inside.
+fn pierced_fold(cells: u32) -> Mesh {
+    let sheet = fold(cells);
+    let first = u32::try_from(sheet.positions().len()).unwrap();
+    let mut source = MeshSource {
+        positions: sheet.positions().to_vec(),
+        triangles: sheet.triangles().to_vec(),
+        ..MeshSource::default()
+    };
+    let corner = |i: u32| [0.3 * f64::from(i & 1) + 0.05, 0.3 * f64::from(i >> 1 & 1), f64::from(i >> 2) - 0.2];
+    source.positions.extend((0..8).map(corner));
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    source.triangles.extend(faces.map(|face| face.map(|vertex| first + vertex)));
     Mesh::new(source, &MeshOptions::default()).unwrap().0
 }
 
@@ -185,6 +202,53 @@ fn parts_merge_to_the_same_bytes_in_any_order() {
         assert!(error.contains("missing: 2"), "{error}");
         parts.iter().for_each(|part| fs::remove_file(part).unwrap());
     }
+}
+
+#[test]
+fn vertices_inside_are_filled_alike_in_one_run_and_in_parts() {
+    let (folder, path) = place();
+    let mesh = pierced_fold(12);
+    let report = bake_to_file(&mesh, &options(), &BakeTarget::new(&path), &()).unwrap();
+    assert!((3..60).contains(&report.bake.invalid_vertices), "{}", report.bake.invalid_vertices);
+    let whole = BakedSurface::read(&path).unwrap();
+    let expected = fs::read(&path).unwrap();
+    let parts = [1, 2, 3].map(|number| {
+        let path = folder.path().join(number.to_string());
+        let target = BakeTarget { part: Part::new(number, 3).unwrap(), ..BakeTarget::new(path) };
+        bake_to_file(&mesh, &options(), &target, &()).unwrap();
+        target.path
+    });
+    merge_parts(&parts, &path, None, &()).unwrap();
+    assert_eq!(fs::read(&path).unwrap(), expected);
+
+    let baked = |inside| bake_diffuse(&mesh, &BakeOptions { inside, ..options() }, &()).unwrap().0;
+    let (kept, black) = (baked(InsidePolicy::Keep), baked(InsidePolicy::Black));
+    let validity = whole.validity.clone().unwrap();
+    for vertex in 0..validity.len() {
+        let dc = |surface: &BakedSurface| surface.transfer.vector(vertex, 0)[0];
+        if validity[vertex] < VertexStats::VALID {
+            assert!(dc(&whole) > dc(&kept) && dc(&black) == 0.0, "{vertex}");
+        }
+    }
+    // All others sees the fill only by what is reflected.
+    let direct = |surface: &BakedSurface| surface.transfer_shadowed.clone().unwrap();
+    let (filled, kept) = (direct(&whole), direct(&kept));
+    let valid = (0..validity.len()).filter(|&vertex| validity[vertex] >= VertexStats::VALID);
+    valid.for_each(|vertex| assert_eq!(filled.vector(vertex, 0), kept.vector(vertex, 0)));
+}
+
+#[test]
+fn bounces_stop_when_they_add_too_little() {
+    let mesh = fold(9);
+    let all = BakeOptions { bounces: 8, ..options() };
+    let energies = bake_diffuse(&mesh, &all, &()).unwrap().1.bounce_energy;
+    assert_eq!(energies.len(), 8);
+    let threshold = 0.5 * (energies[2] + energies[3]);
+    let (baked, report) =
+        bake_diffuse(&mesh, &BakeOptions { bounce_threshold: Some(threshold), ..all.clone() }, &()).unwrap();
+    assert_eq!(report.bounce_energy, energies[..4]);
+    assert_eq!(baked.metadata.bounces, 4);
+    assert_eq!(baked.transfer, bake_diffuse(&mesh, &BakeOptions { bounces: 4, ..all }, &()).unwrap().0.transfer);
 }
 
 #[test]
