@@ -2,24 +2,37 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use prt_bake::{Pass, Progress};
 
-use crate::cancel;
+use crate::{cancel, output};
 
-/// Shows passes as they run, and stops the bake on Ctrl-C. Draws nothing if the standard error is not a terminal.
+/// Shows passes as they run, and stops the bake on Ctrl-C. If the standard error is not a terminal, the log of a farm for example, it writes
+/// a line now and then.
 #[derive(Debug)]
 pub(crate) struct BakeBar {
     bar: ProgressBar,
     rays: AtomicU64,
-    start: Mutex<Instant>,
+    clock: Mutex<Clock>,
 }
+
+/// When things happened last.
+#[derive(Debug)]
+struct Clock {
+    start: Instant,
+    line: Instant,
+}
+
+/// Between two lines in a log.
+const LINE_INTERVAL: Duration = Duration::from_secs(60);
 
 impl BakeBar {
     pub(crate) fn new() -> Self {
-        Self { bar: ProgressBar::new(0), rays: AtomicU64::new(0), start: Mutex::new(Instant::now()) }
+        let now = Instant::now();
+        let clock = Mutex::new(Clock { start: now, line: now });
+        Self { bar: ProgressBar::new(0), rays: AtomicU64::new(0), clock }
     }
 
     pub(crate) fn finish(&self) {
@@ -28,8 +41,30 @@ impl BakeBar {
 
     /// Million rays per second of this pass.
     fn rate(&self) -> f64 {
-        let seconds = self.start.lock().map_or(0.0, |start| start.elapsed().as_secs_f64());
+        let seconds = self.clock.lock().map_or(0.0, |clock| clock.start.elapsed().as_secs_f64());
         self.rays.load(Ordering::Relaxed) as f64 / seconds.max(1e-9) / 1e6
+    }
+
+    /// Writes a line if it is time for one.
+    fn log(&self) {
+        let is_time = self.clock.lock().is_ok_and(|mut clock| {
+            let is_time = clock.line.elapsed() >= LINE_INTERVAL;
+            if is_time {
+                clock.line = Instant::now();
+            }
+            is_time
+        });
+        if is_time {
+            output::note(self.line());
+        }
+    }
+
+    /// The state of a pass in words: `shadows 43 % of 34,853 vertices, 31.2 Mrays/s, 12 seconds left`.
+    fn line(&self) -> String {
+        let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0).max(1));
+        let percent = 100 * done / all;
+        let (vertices, left) = (output::count(all), indicatif::HumanDuration(self.bar.eta()));
+        format!("{} {percent} % of {vertices} vertices, {:.1} Mrays/s, {left} left", self.bar.prefix(), self.rate())
     }
 }
 
@@ -40,8 +75,8 @@ impl Progress for BakeBar {
             Pass::Bounce(number) => format!("bounce {number}"),
         };
         self.rays.store(0, Ordering::Relaxed);
-        if let Ok(mut start) = self.start.lock() {
-            *start = Instant::now();
+        if let Ok(mut clock) = self.clock.lock() {
+            clock.start = Instant::now();
         }
         self.bar.set_style(style());
         self.bar.reset();
@@ -51,10 +86,13 @@ impl Progress for BakeBar {
     }
 
     fn advance(&self, vertices: usize, rays: u64) {
-        if self.rays.fetch_add(rays, Ordering::Relaxed) + rays > 0 && !self.bar.is_hidden() {
+        let has_rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays > 0;
+        self.bar.inc(vertices as u64);
+        if self.bar.is_hidden() {
+            self.log();
+        } else if has_rays {
             self.bar.set_message(format!(", {:.1} Mrays/s", self.rate()));
         }
-        self.bar.inc(vertices as u64);
     }
 
     fn is_cancelled(&self) -> bool {
@@ -105,6 +143,7 @@ mod tests {
         bar.start(Pass::Direct, 10);
         bar.advance(4, 1000);
         assert!(bar.rate() > 0.0);
+        assert!(bar.line().starts_with("shadows 40 % of 10 vertices, "), "{}", bar.line());
         bar.start(Pass::Bounce(1), 10);
         bar.advance(10, 0);
         assert_eq!(bar.rate(), 0.0);
