@@ -24,8 +24,13 @@ impl Default for VertexStats {
 }
 
 impl VertexStats {
-    /// A vertex is valid if at least this share of its directions does not end on the back of a face.
-    pub const VALID: f32 = 0.5;
+    /// A vertex is invalid if a smaller share of its directions ends in the open or on the front of a face.
+    ///
+    /// Vertices inside of closed solids have a validity of 0 to 0.1, those outside one above 0.9. Of the 2,442 vertices of `dragon_100k` that are
+    /// more than 90 % occluded 1,838 lie below 0.2 and 11 between 0.3 and 0.7; of 3,792 of `dragon_res3_nonmanifold` 3,514 and 7; of 416 of
+    /// `nefertiti` and `utah_teapot` 392 and none. So the threshold matters little; a low one spares what is dark but can be seen, as below
+    /// a cloth of one-sided faces.
+    pub const VALID: f32 = 0.25;
 
     /// Whether the vertex lies outside of all solids: its [`validity`](Self::validity) is at least [`VertexStats::VALID`].
     #[must_use]
