@@ -53,7 +53,7 @@ pub use file::{
 pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};
 #[cfg(feature = "trace")]
-pub use job::{BakeTarget, FileReport, Part, Unfinished, bake_to_file, merge_parts};
+pub use job::{BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_to_file, journal_info, merge_parts};
 pub use load::load_mesh;
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
 pub use options::{BakeOptions, InsidePolicy};

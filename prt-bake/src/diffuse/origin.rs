@@ -136,7 +136,8 @@ impl Fan {
     fn exit(&self, start: DVec3) -> DVec3 {
         let (mut center, mut best) = (start, start);
         for step in 0..EXIT_STEPS {
-            let Some(farthest) = self.normals.iter().copied().min_by(|a, b| a.dot(center).total_cmp(&b.dot(center))) else {
+            let Some(farthest) = self.normals.iter().copied().min_by(|a, b| a.dot(center).total_cmp(&b.dot(center)))
+            else {
                 break;
             };
             if farthest.dot(center) >= STEEP_EXIT {

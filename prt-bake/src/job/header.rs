@@ -1,5 +1,7 @@
 //! What a journal is for: which mesh, which settings, which part.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use sh_core::Order;
 
@@ -64,6 +66,15 @@ impl Settings {
         } = *options;
         let (order, inside) = (order.get(), inside.to_string());
         Self { order, rays_per_vertex, shadowed, bounces, bounce_threshold, inside, keep_shadowed, seed }
+    }
+
+    /// Names and values, for people.
+    pub(super) fn by_name(&self) -> BTreeMap<String, String> {
+        let entries = flattened(serde_json::json!({ "settings": self }).as_object().cloned().unwrap_or_default());
+        entries
+            .into_iter()
+            .map(|(name, value)| (name, value.as_str().map_or(value.to_string(), str::to_owned)))
+            .collect()
     }
 
     pub(super) fn options(&self, threads: Option<usize>) -> Result<BakeOptions, Error> {

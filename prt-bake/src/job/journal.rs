@@ -92,6 +92,16 @@ impl Journal {
         Ok(Self::of_file(path, file, places, end))
     }
 
+    /// Opens a journal to see what is in it, also while a bake is writing it.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is not a journal.
+    pub(crate) fn inspect(path: &Path) -> Result<Self, Error> {
+        let file = File::open(path).map_err(|cause| Error::Io { action: "read", path: path.to_owned(), cause })?;
+        let (places, end) = scan(&file, path)?;
+        Ok(Self::of_file(path, file, places, end))
+    }
+
     /// Opens a journal to read it. It must be whole.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 mod block;
 mod blocks;
 mod header;
+mod info;
 mod journal;
 mod merge;
 mod part;
@@ -20,6 +21,7 @@ use crate::{BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metada
 pub(crate) use block::HitLists;
 pub(crate) use blocks::Blocks;
 use header::Header;
+pub use info::{JournalInfo, journal_info};
 pub(crate) use journal::Journal;
 pub use merge::merge_parts;
 pub use part::Part;

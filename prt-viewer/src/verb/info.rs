@@ -1,17 +1,17 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use prt_bake::{Error, Image, Mesh, MeshOptions, file_info, load_mesh};
+use prt_bake::{Error, Image, JournalInfo, Mesh, MeshOptions, file_info, journal_info, load_mesh};
 use serde::Serialize;
 
 use crate::output;
 
 /// Prints what a file holds
 ///
-/// Of a baked file the metadata and the tensors; of a mesh its size and what baking would drop; of an image its size and values.
+/// Of a baked file the metadata and the tensors; of a journal or a part how far its bake is; of a mesh its size and what baking would drop; of an image its size and values.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// A baked file, a mesh or an image
+    /// A baked file, a journal, a part, a mesh or an image
     file: PathBuf,
     /// Print one JSON object
     #[arg(long)]
@@ -28,9 +28,32 @@ struct Report {
 #[derive(Debug, Serialize)]
 #[serde(tag = "content", rename_all = "lowercase")]
 enum Content {
-    Baked { bytes: u64, metadata: BTreeMap<String, String>, tensors: Vec<Tensor> },
-    Mesh { vertices: usize, triangles: usize, faces_dropped: usize, has_uvs: bool, bounds: [[f64; 3]; 2] },
-    Image { width: usize, height: usize, mean: f64, largest: f32 },
+    Baked {
+        bytes: u64,
+        metadata: BTreeMap<String, String>,
+        tensors: Vec<Tensor>,
+    },
+    Journal {
+        bytes: u64,
+        part: [u32; 2],
+        vertices: usize,
+        vertices_done: usize,
+        complete: bool,
+        settings: BTreeMap<String, String>,
+    },
+    Mesh {
+        vertices: usize,
+        triangles: usize,
+        faces_dropped: usize,
+        has_uvs: bool,
+        bounds: [[f64; 3]; 2],
+    },
+    Image {
+        width: usize,
+        height: usize,
+        mean: f64,
+        largest: f32,
+    },
 }
 
 #[derive(Debug, Serialize)]
@@ -51,6 +74,7 @@ fn content(path: &Path) -> Result<Content, Error> {
     match extension.to_ascii_lowercase().as_str() {
         "glb" | "gltf" | "obj" | "ply" | "off" => mesh(path),
         "hdr" | "pic" | "rgbe" | "exr" | "png" | "jpg" | "jpeg" => image(path),
+        "journal" | "part" => journal(path),
         _ => baked(path),
     }
 }
@@ -60,6 +84,12 @@ fn baked(path: &Path) -> Result<Content, Error> {
     let tensor = |tensor: prt_bake::TensorInfo| Tensor { name: tensor.name, dtype: tensor.dtype, shape: tensor.shape };
     let tensors = info.tensors.into_iter().map(tensor).collect();
     Ok(Content::Baked { bytes: info.bytes, metadata: info.metadata, tensors })
+}
+
+fn journal(path: &Path) -> Result<Content, Error> {
+    let JournalInfo { part, vertices, vertices_done, is_complete: complete, settings, bytes } = journal_info(path)?;
+    let part = [part.number(), part.count()];
+    Ok(Content::Journal { bytes, part, vertices, vertices_done, complete, settings })
 }
 
 fn mesh(path: &Path) -> Result<Content, Error> {
@@ -93,6 +123,17 @@ fn summary(report: &Report) -> String {
                 tensors.iter().map(|tensor| format!("\n  {:<18} {} {:?}", tensor.name, tensor.dtype, tensor.shape));
             let [metadata, tensors] = [metadata.collect::<String>(), tensors.collect::<String>()];
             format!("{file}, {}\nmetadata{metadata}\ntensors{tensors}", output::bytes(*bytes))
+        }
+        Content::Journal { bytes, part: [number, count], vertices, vertices_done, complete, settings } => {
+            let settings = settings.iter().map(|(key, value)| format!("\n  {key:<18} {value}"));
+            format!(
+                "{file}, {}: part {number} of {count}, {} of {} vertices traced, {}\nsettings{}",
+                output::bytes(*bytes),
+                output::count(*vertices_done as u64),
+                output::count(*vertices as u64),
+                if *complete { "complete" } else { "not complete" },
+                settings.collect::<String>()
+            )
         }
         Content::Mesh { vertices, triangles, faces_dropped, has_uvs, bounds } => format!(
             "{file}: {} vertices, {} triangles ({faces_dropped} dropped), {} texture coordinates\nfrom {:?} to {:?}",
