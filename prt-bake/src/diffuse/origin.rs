@@ -81,6 +81,15 @@ impl Corners {
     }
 }
 
+/// Where the rays of a point of a face start, as for a vertex of that face alone.
+pub(crate) fn face_origin(scene: &Scene, corners: [DVec3; 3], position: DVec3, shading_normal: DVec3) -> Vec3 {
+    let [a, b, c] = corners;
+    let normal = unit_vector(unit_vector(b - a).cross(unit_vector(c - a)));
+    let inward = unit_vector((a - position) + (b - position) + (c - position));
+    let offset = Fan { normal, inward, face_count: 1 }.offset(shading_normal);
+    scene.to_unit_cube(position) + offset.as_vec3()
+}
+
 /// The faces around a vertex.
 #[derive(Debug, Default)]
 struct Fan {
