@@ -16,6 +16,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
+    #[cfg(feature = "trace")]
     pub(super) fn texel_count(&self) -> usize {
         self.width * self.height
     }
@@ -31,6 +32,7 @@ impl Grid {
     }
 
     /// The centre of a texel.
+    #[cfg(feature = "trace")]
     pub(super) fn center(&self, texel: usize) -> DVec2 {
         DVec2::new((texel % self.width) as f64 + 0.5, (texel / self.width) as f64 + 0.5)
     }

@@ -1,8 +1,10 @@
 //! Which face a texel shows.
 
+use glam::DVec2;
+
 use super::Coverage;
 use super::layout::Layout;
-use super::triangle::{Nearest, nearest};
+use super::triangle::{covered_share, nearest};
 use crate::{Error, Progress};
 
 /// A texel that belongs to no face.
@@ -14,9 +16,13 @@ const LOOKUP_REACH: f64 = std::f64::consts::SQRT_2;
 /// A centre within this of a face counts as on it: much more than the rounding of places on the largest atlas, which is 1e-12.
 const ON_FACE: f64 = 1e-6;
 
-/// A centre this far inside two faces shows that they overlap: more than the rounding of a texture coordinate in `f32` on the largest
-/// atlas, which is 1e-3 texels.
-const OVERLAP_DEPTH: f64 = 0.01;
+/// A centre this near to an edge counts as lying on it when overlaps are looked for: more than the rounding of a texture coordinate in
+/// `f32` on the largest atlas, which is 1e-3 texels.
+const EDGE_WIDTH: f64 = 0.01;
+
+/// Faces that only meet cover the surroundings of a centre once. An edge that lies a little more and a little less than [`EDGE_WIDTH`] away
+/// for its two faces makes it 1½ times; two layers of faces make it twice.
+const MOST_COVERED: f32 = 1.75;
 
 /// A face of which twice the area, in texels, is at most this fraction of its longest edge squared has no inside.
 const DEGENERATE_ASPECT: f64 = 1e-9;
@@ -39,21 +45,19 @@ pub(super) struct Raster {
 struct Claim {
     face: u32,
     distance_squared: f64,
-    /// Number of faces that the centre is well inside of; 2 stands for more as well.
-    depth_count: u8,
+    /// How often faces cover the surroundings of the centre.
+    covered: f32,
 }
 
 impl Claim {
-    const NONE: Self = Self { face: NO_FACE, distance_squared: f64::INFINITY, depth_count: 0 };
+    const NONE: Self = Self { face: NO_FACE, distance_squared: f64::INFINITY, covered: 0.0 };
 
     /// The nearest face wins; of several the one with the lowest number, which comes first.
-    fn add(&mut self, face: u32, found: &Nearest) {
-        let on_face = found.distance_squared <= ON_FACE * ON_FACE;
-        let distance_squared = if on_face { 0.0 } else { found.distance_squared };
+    fn add(&mut self, face: u32, distance_squared: f64) {
+        let distance_squared = if distance_squared <= ON_FACE * ON_FACE { 0.0 } else { distance_squared };
         if distance_squared < self.distance_squared {
             (self.face, self.distance_squared) = (face, distance_squared);
         }
-        self.depth_count = 2.min(self.depth_count + u8::from(found.depth > OVERLAP_DEPTH));
     }
 
     fn coverage(&self) -> Coverage {
@@ -85,7 +89,7 @@ impl Raster {
             return Err(Error::Atlas(format!("none of its {count} faces has an area in texture coordinates")));
         }
         let coverage = claims.iter().map(Claim::coverage).collect();
-        let overlapping = claims.iter().filter(|claim| claim.depth_count > 1).count();
+        let overlapping = claims.iter().filter(|claim| claim.covered > MOST_COVERED).count();
         Ok(Self { faces, coverage, overlapping, is_degenerate })
     }
 
@@ -112,9 +116,11 @@ fn lay_down(layout: &Layout, face: usize, claims: &mut [Claim]) {
     for row in lower.y.ceil() as i64..=upper.y.floor() as i64 {
         for column in lower.x.ceil() as i64..=upper.x.floor() as i64 {
             let Some(texel) = layout.grid.texel(column, row) else { continue };
-            let found = nearest(corners, glam::DVec2::new(column as f64 + 0.5, row as f64 + 0.5));
+            let center = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+            let found = nearest(corners, center);
             if found.distance_squared < LOOKUP_REACH * LOOKUP_REACH {
-                claims[texel].add(face as u32, &found);
+                claims[texel].add(face as u32, found.distance_squared);
+                claims[texel].covered += covered_share(corners, center, EDGE_WIDTH) as f32;
             }
         }
     }
