@@ -6,10 +6,12 @@ use super::layout::Layout;
 use super::raster::Raster;
 use super::trace::TexelBake;
 use super::{Coverage, TexelOptions, TexelReport, TexelTransfer, gutter, seam};
-use crate::diffuse::Bounces;
+use crate::diffuse::{Reflection, ValidityTest};
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
-use crate::{BakeOptions, BakedSurface, Error, Mesh, Metadata, Progress, Scene, TransferVectors, bake_diffuse};
+use crate::{
+    BakeOptions, BakedSurface, Error, InsidePolicy, Mesh, Metadata, Progress, Scene, TransferVectors, bake_diffuse,
+};
 
 /// Bakes diffuse transfer for every texel of an atlas that the texture coordinates of a mesh lay out.
 ///
@@ -20,6 +22,7 @@ use crate::{BakeOptions, BakedSurface, Error, Mesh, Metadata, Progress, Scene, T
 ///
 /// Shadowed transfer is that of [`bake_diffuse`] at these points. With `b` bounces the vertices are baked first, with `b − 1` of them, and
 /// each texel gathers from its own hits what the vertices' transfer sends there (final gathering): `T(p) = T_direct(p) + Σ w ρ(q) T(q)`.
+/// Texels inside of solids are treated as [`BakeOptions::inside`] says; filled ones count as empty, and the gutter reaches into them.
 ///
 /// Cost: as many rays as that number of vertices. Memory: the atlas, 9 bytes a texel, the mesh and its tree; while the vertices are baked
 /// what that takes. Same options, same bytes, for any number of threads.
@@ -38,7 +41,7 @@ pub fn bake_texels(
     if options.keep_shadowed {
         return Err(Error::Option("texels hold one transfer; bake twice to keep the shadowed one".to_owned()));
     }
-    let channels = if options.bounces > 0 { Bounces::channel_count(mesh.albedo()) } else { 1 };
+    let channels = channel_count(mesh, options);
     texels.validate(options.order, channels)?;
     let start = Instant::now();
     let layout = Layout::new(mesh, texels)?;
@@ -50,6 +53,12 @@ pub fn bake_texels(
     gutter::fill(&mut atlas, texels.gutter);
     describe(&atlas, &layout, &raster, &mut report);
     Ok((atlas, report))
+}
+
+/// Colour is carried only if it is reflected.
+fn channel_count(mesh: &Mesh, options: &BakeOptions) -> usize {
+    let is_grey = options.bounces == 0 || mesh.albedo().iter().all(|[r, g, b]| r == g && g == b);
+    if is_grey { 1 } else { 3 }
 }
 
 /// What the vertices send out, if texels are to gather it: their transfer with one bounce less than the texels get.
@@ -69,7 +78,6 @@ fn empty_atlas(layout: &Layout, raster: &Raster, options: &BakeOptions, channels
     TexelTransfer {
         metadata: Metadata {
             rays: if options.shadowed { options.rays_per_vertex } else { 0 },
-            bounces: options.bounces,
             seed: options.seed,
             shadowed: options.shadowed,
             ..Metadata::default()
@@ -103,19 +111,42 @@ fn trace(
         scene: &scene,
         directions: &directions,
         shadowed: options.shadowed,
-        bounces: vertices.map(|baked| Bounces::new(layout.mesh.triangles(), layout.mesh.albedo(), &baked.transfer)),
+        validity: ValidityTest::new(&scene, layout.mesh),
+        reflection: vertices.map(|baked| {
+            let arriving = baked.transfer.with_channels(atlas.transfer.channels);
+            Reflection::new(layout.mesh.triangles(), layout.mesh.albedo(), arriving)
+        }),
     };
     report.build += start.elapsed();
     report.threads = threads.count();
 
     let start = Instant::now();
-    let stats = bake.run(&threads, progress, &mut atlas.transfer)?;
-    report.rays_traced = stats.rays;
-    report.occluded_share = stats.occluded as f64 / (stats.directions as f64).max(1.0);
+    let found = bake.run(&threads, progress, &mut atlas.transfer)?;
+    report.rays_traced = found.rays;
+    report.occluded_share = found.occluded as f64 / (found.directions as f64).max(1.0);
+    report.texels_invalid = found.invalid.len();
+    replace_invalid(options.inside, &found.invalid, atlas);
     report.error = options.shadowed.then(|| bake.estimate_error(options));
     atlas.metadata.error = report.error;
+    atlas.metadata.bounces = vertices.map_or(0, |baked| baked.metadata.bounces + 1);
     report.trace = start.elapsed();
     Ok(())
+}
+
+/// Empties the texels inside of solids where they are not to be kept; the gutter then reaches into them where they are to be filled. If all
+/// are inside, nothing is replaced.
+fn replace_invalid(policy: InsidePolicy, invalid: &[usize], atlas: &mut TexelTransfer) {
+    let is_all = invalid.len() == atlas.coverage.iter().filter(|coverage| coverage.is_baked()).count();
+    if policy == InsidePolicy::Keep || is_all {
+        return;
+    }
+    let length = atlas.transfer.channels * atlas.transfer.order.coeff_count();
+    for &texel in invalid {
+        atlas.transfer.values[texel * length..][..length].fill(0.0);
+        if policy == InsidePolicy::Fill {
+            atlas.coverage[texel] = Coverage::Empty;
+        }
+    }
 }
 
 /// Takes down what the atlas has become.

@@ -17,6 +17,8 @@ pub struct TexelReport {
     pub texels_empty: usize,
     /// Texels whose centre lies in several faces: charts overlap there, and the face with the lowest number is baked.
     pub texels_overlapping: usize,
+    /// Texels that lie inside of solids: those that are not [valid](crate::VertexStats::is_valid).
+    pub texels_invalid: usize,
     /// Faces that have no area on the atlas. They get no texel.
     pub faces_degenerate: usize,
     /// Faces that leave 0 to 1, so that the atlas wraps round.

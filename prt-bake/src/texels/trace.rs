@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use super::points::Points;
 use super::raster::{NO_FACE, Raster};
-use crate::diffuse::{Bounces, DirectPass, DirectScratch, HitRecord, estimate_error};
+use crate::diffuse::{DirectPass, ErrorProbe, HitRecord, Reflection, Scratch as DirectScratch, ValidityTest};
 use crate::parallel::Threads;
 use crate::sampling::DirectionSet;
 use crate::{BakeOptions, Error, Pass, Progress, Scene, TransferVectors, VertexStats};
@@ -22,8 +22,9 @@ pub(super) struct TexelBake<'a> {
     pub(super) scene: &'a Scene,
     pub(super) directions: &'a DirectionSet,
     pub(super) shadowed: bool,
+    pub(super) validity: ValidityTest<'a>,
     /// What vertices send out.
-    pub(super) bounces: Option<Bounces<'a>>,
+    pub(super) reflection: Option<Reflection<'a>>,
 }
 
 /// Memory that a thread uses again for each texel.
@@ -35,16 +36,21 @@ struct Scratch {
     gathered: Vec<f64>,
 }
 
-/// Sums of [`VertexStats`] over texels.
+/// What was found at the texels: sums of [`VertexStats`].
 #[derive(Debug, Default)]
-pub(super) struct StatsSum {
+pub(super) struct Found {
     pub(super) directions: u64,
     pub(super) occluded: u64,
     pub(super) rays: u64,
+    /// Numbers of the texels that lie inside of solids.
+    pub(super) invalid: Vec<usize>,
 }
 
-impl StatsSum {
-    fn add(&mut self, stats: &VertexStats) {
+impl Found {
+    fn add(&mut self, texel: usize, stats: &VertexStats) {
+        if !stats.is_valid() {
+            self.invalid.push(texel);
+        }
         self.directions += u64::from(stats.directions);
         self.occluded += u64::from(stats.occluded);
         self.rays += u64::from(stats.rays);
@@ -57,29 +63,29 @@ impl TexelBake<'_> {
         threads: &Threads,
         progress: &dyn Progress,
         transfer: &mut TransferVectors,
-    ) -> Result<StatsSum, Error> {
+    ) -> Result<Found, Error> {
         let row_length = transfer.channels * transfer.order.coeff_count();
         progress.start(Pass::Direct, self.raster.faces.iter().filter(|&&face| face != NO_FACE).count());
-        let mut sum = StatsSum::default();
+        let mut found = Found::default();
         for (block, values) in transfer.values.chunks_mut(BLOCK * row_length).enumerate() {
             let texels = block * BLOCK..block * BLOCK + values.len() / row_length;
             let points = self.points(texels.clone());
-            let rows = values.chunks_exact_mut(row_length).zip(&self.raster.faces[texels]);
-            let rows = rows.filter(|&(_, &face)| face != NO_FACE).map(|(row, _)| row);
-            let mut items: Vec<_> = rows.map(|row| (row, VertexStats::default())).collect();
+            let rows = texels.zip(values.chunks_exact_mut(row_length));
+            let rows = rows.filter(|&(texel, _)| self.raster.faces[texel] != NO_FACE);
+            let mut items: Vec<_> = rows.map(|(texel, row)| (texel, row, VertexStats::default())).collect();
             let direct = self.direct(&points);
             threads.for_each(
                 &mut items,
                 progress,
-                || self.scratch(&direct, row_length),
-                |scratch, point, (row, stats)| {
+                || self.scratch(&direct),
+                |scratch, point, (_, row, stats)| {
                     *stats = self.texel(&direct, scratch, point, row);
                     u64::from(stats.rays)
                 },
             )?;
-            items.iter().for_each(|(_, stats)| sum.add(stats));
+            items.iter().for_each(|(texel, _, stats)| found.add(*texel, stats));
         }
-        Ok(sum)
+        Ok(found)
     }
 
     fn points(&self, texels: impl IntoIterator<Item = usize>) -> Points {
@@ -96,12 +102,12 @@ impl TexelBake<'_> {
         }
     }
 
-    fn scratch(&self, direct: &DirectPass, row_length: usize) -> Scratch {
+    fn scratch(&self, direct: &DirectPass) -> Scratch {
         Scratch {
             direct: direct.scratch(),
             vector: vec![0.0; self.directions.order.coeff_count()],
             hits: Vec::new(),
-            gathered: vec![0.0; row_length],
+            gathered: vec![0.0; self.directions.order.coeff_count()],
         }
     }
 
@@ -113,10 +119,11 @@ impl TexelBake<'_> {
             return VertexStats::default();
         }
         let mut stats = direct.shadowed_vector(&mut scratch.direct, point, &mut scratch.vector);
-        if let Some(bounces) = &self.bounces {
+        self.validity.complete_at(direct.normals[point], direct.origins[point], &mut stats);
+        if let Some(reflection) = &self.reflection {
             scratch.hits.clear();
             stats.rays += direct.nearest_hits(&mut scratch.direct, point, &mut scratch.hits);
-            bounces.gather(&scratch.hits, &mut scratch.gathered);
+            reflection.gather(&scratch.hits, &mut scratch.gathered);
         }
         let direct = scratch.vector.iter().cycle();
         let sums = direct.zip(&scratch.gathered).map(|(&direct, &gathered)| (f64::from(direct) + gathered) as f32);
@@ -127,14 +134,14 @@ impl TexelBake<'_> {
     /// As for vertices, from some texels that are spread evenly.
     pub(super) fn estimate_error(&self, options: &BakeOptions) -> f64 {
         let faces = self.raster.faces.iter().enumerate();
-        let covered: Vec<usize> = faces.filter(|&(_, &face)| face != NO_FACE).map(|(texel, _)| texel).collect();
-        let points = self.points(covered.iter().copied().step_by(covered.len().div_ceil(ERROR_SAMPLES)));
-        let direct = self.direct(&points);
-        let mut transfer = TransferVectors::zero(points.normals.len(), 1, options.order);
-        let mut scratch = direct.scratch();
-        for (point, row) in transfer.values.chunks_exact_mut(options.order.coeff_count()).enumerate() {
-            direct.shadowed_vector(&mut scratch, point, row);
-        }
-        estimate_error(&direct, options, &transfer)
+        let baked: Vec<usize> = faces.filter(|&(_, &face)| face != NO_FACE).map(|(texel, _)| texel).collect();
+        let points = self.points(baked.iter().copied().step_by(baked.len().div_ceil(ERROR_SAMPLES)));
+        let (direct, probe) = (self.direct(&points), ErrorProbe::new(options, 1));
+        let mut scratch = self.scratch(&direct);
+        let errors = (0..points.normals.len()).map(|point| {
+            direct.shadowed_vector(&mut scratch.direct, point, &mut scratch.vector);
+            f64::from(probe.estimate(&direct, &mut scratch.direct, point, &scratch.vector))
+        });
+        (errors.map(|error| error * error).sum::<f64>() / points.normals.len() as f64).sqrt()
     }
 }

@@ -1,8 +1,11 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use super::scenes::{plates, square, torus};
+use super::scenes::{plates, square, sunken_box, torus};
 use super::{bake, mesh, options, relative_difference, texels, unshadowed};
-use crate::{BakeOptions, Coverage, Error, Pass, Progress, TexelOptions, TransferVectors, bake_diffuse, bake_texels};
+use crate::{
+    BakeOptions, Coverage, Error, InsidePolicy, Pass, Progress, TexelOptions, TransferVectors, bake_diffuse,
+    bake_texels,
+};
 
 #[test]
 fn an_open_plane_is_exact() {
@@ -55,7 +58,7 @@ fn colour_is_carried_only_where_light_is_reflected_by_it() {
 
 #[test]
 fn the_same_bytes_for_any_number_of_threads() {
-    let mesh = torus([12, 8]);
+    let mesh = torus([12, 8], 0.0);
     let bake = |threads| bake(&mesh, &BakeOptions { bounces: 2, threads, ..options(3) }, &texels(24, 16));
     let (reference, report) = bake(Some(1));
     for threads in [Some(2), Some(5), None] {
@@ -71,7 +74,7 @@ fn the_same_bytes_for_any_number_of_threads() {
 /// Finer than its vertices, and the same surface: in between the texels see what the vertices see.
 #[test]
 fn atlas_and_vertices_agree_on_a_fine_torus() {
-    let mesh = torus([96, 64]);
+    let mesh = torus([96, 64], 0.0);
     let options = BakeOptions { bounces: 1, ..options(4) };
     let (atlas, _) = bake(&mesh, &options, &texels(64, 48));
     let (baked, _) = bake_diffuse(&mesh, &options, &()).unwrap();
@@ -86,8 +89,35 @@ fn atlas_and_vertices_agree_on_a_fine_torus() {
         })
         .collect();
     let difference = relative_difference(&lookups, &baked.transfer.values);
-    println!("{difference}");
     assert!(difference < 0.02, "{difference}");
+}
+
+#[test]
+fn texels_inside_of_solids_are_replaced_as_asked() {
+    let mesh = sunken_box();
+    let size = 48;
+    let texels = TexelOptions { gutter: 2, ..texels(size, size) };
+    let bake = |inside| bake(&mesh, &BakeOptions { inside, ..options(2) }, &texels);
+    let (kept, report) = bake(InsidePolicy::Keep);
+    // The floor is 48 × 24 texels, and 0.32 of each side is below the box.
+    let hidden = |texel: &usize| {
+        let at = [texel % size, texel / size].map(|x| x as f64 + 0.5);
+        [at[0] / 48.0, at[1] / 24.0].iter().all(|x| (0.34..0.66).contains(x))
+    };
+    let below_box: Vec<usize> = (0..size * size).filter(hidden).collect();
+    // The walls of the box are seen from outside on both sides of the floor.
+    assert_eq!(report.texels_invalid, below_box.len());
+    assert!(below_box.iter().all(|&texel| kept.transfer.vector(texel, 0)[0].abs() < 1e-3));
+    let (black, _) = bake(InsidePolicy::Black);
+    assert!(below_box.iter().all(|&texel| black.transfer.vector(texel, 0) == [0.0; 4]));
+    let (filled, _) = bake(InsidePolicy::Fill);
+    let is_filled = |texel: &&usize| filled.coverage[**texel] == Coverage::Filled;
+    assert!(below_box.iter().all(|texel| is_filled(&texel) == (filled.transfer.vector(*texel, 0)[0] > 0.05)));
+    let count = below_box.iter().filter(is_filled).count();
+    assert!(count > below_box.len() / 2 && count < below_box.len(), "{count} of {}", below_box.len());
+    for texel in (0..size * size).filter(|texel| !hidden(texel) && kept.coverage[*texel].is_baked()) {
+        assert_eq!(filled.transfer.vector(texel, 0), kept.transfer.vector(texel, 0));
+    }
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn colored() -> TexelTransfer {
 
 #[test]
 fn what_is_written_is_read() {
-    let mut grey = bake(&torus([12, 8]), &options(4), &TexelOptions { v_up: true, ..texels(20, 33) }).0;
+    let mut grey = bake(&torus([12, 8], 0.0), &options(4), &TexelOptions { v_up: true, ..texels(20, 33) }).0;
     grey.wraps = [true, false];
     grey.metadata.source = Some(Source { name: "a b.obj".to_owned(), sha256: "00ff".to_owned() });
     grey.metadata.seed = u64::MAX;

@@ -73,12 +73,32 @@ pub(super) fn cylinder(cells: u32, left: f64) -> Mesh {
     mesh(grid([cells, 1], point, |[s, t]| [left + s * (1.0 - 2.0 * left), t]))
 }
 
-/// A torus of radii 1 and 0.4, whose inside is shadowed, laid over the whole atlas.
-pub(super) fn torus([columns, rows]: [u32; 2]) -> Mesh {
+/// A torus of radii 1 and 0.4, whose inside is shadowed, laid over the whole atlas but for a margin.
+pub(super) fn torus([columns, rows]: [u32; 2], margin: f64) -> Mesh {
     let point = |[s, t]: [f64; 2]| {
         let ((sin_s, cos_s), (sin_t, cos_t)) = ((TAU * (s % 1.0)).sin_cos(), (TAU * (t % 1.0)).sin_cos());
         let normal = DVec3::new(cos_s * cos_t, sin_s * cos_t, sin_t);
         (DVec3::new(cos_s, sin_s, 0.0) + 0.4 * normal, normal)
     };
-    mesh(grid([columns, rows], point, |st| st))
+    mesh(grid([columns, rows], point, |st| st.map(|x| margin + x * (1.0 - 2.0 * margin))))
+}
+
+/// A floor over the lower half of the atlas, and a closed box that stands in its middle third and reaches through it.
+pub(super) fn sunken_box() -> Mesh {
+    let floor = square(6, 0.0, true, |[s, t]| [s, 0.5 * t]);
+    let corner = |k: usize, low: f64, high: f64| if k == 1 { high } else { low };
+    let place = |k: usize| [corner(k & 1, 0.34, 0.66), corner(k >> 1 & 1, 0.34, 0.66), corner(k >> 2, -0.3, 0.3)];
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut cube = MeshSource::default();
+    for (side, corners) in sides.into_iter().enumerate() {
+        let [p, q, r] = [0, 1, 2].map(|k| DVec3::from_array(place(corners[k])));
+        let normal = (q - p).cross(r - p).normalize().as_vec3().to_array();
+        let first = cube.positions.len() as u32;
+        cube.positions.extend(corners.map(place));
+        cube.normals.extend([normal; 4]);
+        let left = side as f32 / 6.0;
+        cube.uvs.extend([[0.0, 0.6], [0.1, 0.6], [0.1, 0.9], [0.0, 0.9]].map(|[u, v]| [left + 0.02 + u, v]));
+        cube.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    mesh(together(floor, cube))
 }

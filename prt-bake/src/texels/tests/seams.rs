@@ -4,7 +4,7 @@ use super::scenes::{cylinder, torus};
 use super::{bake, options, relative_difference, texels, unshadowed};
 use crate::texels::layout::Layout;
 use crate::texels::seam;
-use crate::{BakeOptions, TransferVectors, bake_diffuse};
+use crate::{BakeOptions, TransferVectors};
 
 /// The chart ends at the edge of the atlas, where lookups are clamped: half a texel, or π/W, short of the seam on both sides.
 #[test]
@@ -31,29 +31,20 @@ fn border_texels_hold_the_edge_of_the_chart() {
     assert!((at_edge / clamped - 0.5 * 4.0 / 3.0).abs() < 0.01, "{at_edge} {clamped}");
 }
 
+/// The cut runs between two texels: one beyond the chart that holds the transfer of the edge, and one half a texel inside. Their mean is off by
+/// a quarter of a texel on either side: an error of the first order.
 #[test]
-fn the_seams_of_a_torus_are_as_good_as_its_texels() {
-    let mesh = torus([48, 32]);
-    let options = options(4);
-    let (atlas, report) = bake(&mesh, &options, &texels(96, 64));
-    assert_eq!(report.seam_edges, 48 + 32);
-    let (baked, _) = bake_diffuse(&mesh, &options, &()).unwrap();
-    let vertices = lookups(&atlas, &mesh);
-    let error = relative_difference(&vertices, &baked.transfer.values);
-    println!("atlas against vertices {error}, seams {} {}", report.seam_error, report.seam_max);
-    assert!(error < 0.02, "{error}");
-    assert!(report.seam_error < 0.1, "{}", report.seam_error);
-}
-
-/// Bilinear lookups at the vertices, of one channel.
-fn lookups(atlas: &crate::TexelTransfer, mesh: &crate::Mesh) -> Vec<f32> {
-    let mut all = Vec::new();
-    let mut vector = vec![0.0; atlas.transfer.order.coeff_count()];
-    for &uv in mesh.uvs().unwrap() {
-        atlas.sample(uv, 0, &mut vector);
-        all.extend_from_slice(&vector);
-    }
-    all
+fn the_seams_of_a_torus_close_as_texels_shrink() {
+    let mesh = torus([48, 32], 0.125);
+    let options = BakeOptions { rays_per_vertex: 1024, ..options(4) };
+    let seams = [48, 96].map(|size| bake(&mesh, &options, &texels(size, size)).1);
+    assert_eq!(seams[0].seam_edges, 48 + 32);
+    eprintln!("{} {}", seams[0].seam_error, seams[1].seam_error);
+    let ratio = seams[0].seam_error / seams[1].seam_error;
+    assert!((1.6..2.4).contains(&ratio) && seams[0].seam_error < 0.12, "{seams:?}");
+    assert!(
+        seams.iter().all(|report| report.seam_max > report.seam_error && report.seam_max < 3.0 * report.seam_error)
+    );
 }
 
 #[test]
