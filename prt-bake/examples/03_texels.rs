@@ -13,6 +13,7 @@ use prt_bake::{
 /// Towards the light: from the upper left, seen by the camera.
 const LIGHT: DVec3 = DVec3::new(-0.6, 0.7, 0.39);
 
+#[expect(clippy::print_stderr, reason = "the report of an example")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [scene, folder, size @ ..] = arguments.as_slice() else { return Err("give a mesh file and a folder".into()) };

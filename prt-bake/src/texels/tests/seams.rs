@@ -39,7 +39,6 @@ fn the_seams_of_a_torus_close_as_texels_shrink() {
     let options = BakeOptions { rays_per_vertex: 1024, ..options(4) };
     let seams = [48, 96].map(|size| bake(&mesh, &options, &texels(size, size)).1);
     assert_eq!(seams[0].seam_edges, 48 + 32);
-    eprintln!("{} {}", seams[0].seam_error, seams[1].seam_error);
     let ratio = seams[0].seam_error / seams[1].seam_error;
     assert!((1.6..2.4).contains(&ratio) && seams[0].seam_error < 0.12, "{seams:?}");
     assert!(
