@@ -24,7 +24,7 @@ impl Points {
         for (texel, face) in texels {
             let weights = weights(layout, texel, face as usize);
             let normal = normal(layout, face as usize, weights);
-            points.origins.push(origin(layout, scene, face as usize, weights, normal));
+            points.origins.push(face_origin(scene, corners(layout, face as usize), weights, normal));
             points.normals.push(normal.as_vec3().to_array());
         }
         points
@@ -59,11 +59,6 @@ fn normal(layout: &Layout, face: usize, weights: [f64; 3]) -> DVec3 {
         return unit_vector(unit_vector(b - a).cross(unit_vector(c - a)));
     }
     mean
-}
-
-fn origin(layout: &Layout, scene: &Scene, face: usize, weights: [f64; 3], normal: DVec3) -> Vec3 {
-    let corners = corners(layout, face);
-    face_origin(scene, corners, blend(weights, corners), normal)
 }
 
 fn corners(layout: &Layout, face: usize) -> [DVec3; 3] {

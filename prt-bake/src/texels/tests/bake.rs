@@ -1,6 +1,7 @@
+use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use super::scenes::{plates, square, sunken_box, torus};
+use super::scenes::{groove, plates, square, sunken_box, torus};
 use super::{bake, mesh, options, relative_difference, texels, unshadowed};
 use crate::{
     BakeOptions, Coverage, Error, InsidePolicy, Pass, Progress, TexelOptions, TransferVectors, bake_diffuse,
@@ -90,6 +91,25 @@ fn atlas_and_vertices_agree_on_a_fine_torus() {
         .collect();
     let difference = relative_difference(&lookups, &baked.transfer.values);
     assert!(difference < 0.02, "{difference}");
+}
+
+/// At the bottom of a groove a wall sees light from 0 to the angle of the groove: a share of `(1 − cos φ)/2`.
+#[test]
+fn no_light_leaks_through_a_fold() {
+    for degrees in [10.0_f64, 30.0, 60.0, 90.0, 150.0] {
+        let angle = degrees.to_radians();
+        let options = BakeOptions { rays_per_vertex: 2048, ..options(1) };
+        let (atlas, report) = bake(&groove(angle), &options, &texels(8, 10));
+        let expected = 0.5 * (1.0 - angle.cos());
+        for row in [1, 2, 7, 8] {
+            // The centre of column 1 lies half a texel beyond the edge.
+            assert_eq!(atlas.coverage[8 * row + 1], Coverage::Border);
+            let open = f64::from(atlas.transfer.vector(8 * row + 1, 0)[0]) * (4.0 * PI).sqrt();
+            // The directions nearest to the wall are 0.04 apart.
+            assert!((open - expected).abs() < 0.01, "{degrees}° row {row}: {open} {expected}");
+        }
+        assert_eq!(report.texels_invalid, 0);
+    }
 }
 
 #[test]

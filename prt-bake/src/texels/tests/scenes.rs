@@ -102,3 +102,12 @@ pub(super) fn sunken_box() -> Mesh {
     }
     mesh(together(floor, cube))
 }
+
+/// A long groove whose walls, 1 wide, enclose an angle of air. They meet at u = 0.25, one in the upper, one in the lower part of the atlas.
+pub(super) fn groove(angle: f64) -> Mesh {
+    let (sin, cos) = angle.sin_cos();
+    let floor = |[s, t]: [f64; 2]| (DVec3::new(s, 40.0 * t, 0.0), DVec3::Z);
+    let wall = |[s, t]: [f64; 2]| (DVec3::new(s * cos, 40.0 * (1.0 - t), s * sin), DVec3::new(sin, 0.0, -cos));
+    let at = |v: f64| move |[s, t]: [f64; 2]| [0.25 + 0.5 * s, v + 0.4 * t];
+    mesh(together(grid([1, 1], floor, at(0.0)), grid([1, 1], wall, at(0.6))))
+}
