@@ -72,6 +72,9 @@ pub enum Error {
     /// Two arrays that belong together have different lengths, or an index points past the end.
     #[error("inconsistent mesh: {0}")]
     InconsistentMesh(String),
+    /// Texture coordinates do not lay a mesh out on an atlas.
+    #[error("cannot bake texels: {0}")]
+    Atlas(String),
     /// Heights do not make a field.
     #[error("invalid height field: {0}")]
     HeightField(String),

@@ -40,6 +40,7 @@ mod progress;
 mod sampling;
 #[cfg(feature = "trace")]
 mod scene;
+mod texels;
 mod transfer;
 mod zonal;
 
@@ -62,6 +63,9 @@ pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, S
 pub use progress::{Pass, Progress};
 #[cfg(feature = "trace")]
 pub use scene::{Hit, Scene};
+pub use texels::{Coverage, TexelTransfer};
+#[cfg(feature = "trace")]
+pub use texels::{TexelOptions, TexelReport, bake_texels};
 pub use transfer::TransferVectors;
 pub use zonal::{ViewMap, ZonalTransfer};
 

@@ -24,6 +24,14 @@ impl TransferVectors {
         Self { order, channels, values: vec![0.0; vertex_count * channels * order.coeff_count()] }
     }
 
+    /// The same vectors with as many channels, or with three equal ones in place of one.
+    #[cfg(feature = "trace")]
+    pub(crate) fn with_channels(&self, channels: usize) -> Self {
+        let rows = self.values.chunks_exact(self.order.coeff_count());
+        let values = rows.flat_map(|row| std::iter::repeat_n(row, channels / self.channels)).flatten().copied();
+        Self { order: self.order, channels, values: values.collect() }
+    }
+
     /// Number of vertices.
     #[must_use]
     pub fn vertex_count(&self) -> usize {

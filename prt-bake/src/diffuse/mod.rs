@@ -19,7 +19,7 @@ pub(crate) use bounce::Reflection;
 pub(crate) use direct::{DirectPass, Scratch, add_scaled};
 pub(crate) use hit::HitRecord;
 pub(crate) use inside::InsidePlan;
-pub(crate) use origin::ray_origins;
+pub(crate) use origin::{face_origin, ray_origins};
 pub(crate) use probe::ErrorProbe;
 pub use stats::VertexStats;
 pub(crate) use validity::ValidityTest;

@@ -81,6 +81,24 @@ impl Corners {
     }
 }
 
+/// A point of a face keeps this far from its edges, or from all three alike if the face is smaller: 1e-5. So a point on the edge of a fold
+/// with as little as 8° of air between the faces still lies in front of both.
+const EDGE_INSET: f64 = 8.0 * CLEARANCE;
+
+/// Where the rays of a point of a face start, in the frame that the scene is traced in.
+///
+/// - `weights`: of the corners, at the point
+pub(crate) fn face_origin(scene: &Scene, corners: [DVec3; 3], weights: [f64; 3], shading_normal: DVec3) -> Vec3 {
+    let [a, b, c] = corners.map(|corner| scene.to_unit_cube(corner).as_dvec3());
+    let normal = unit_vector(unit_vector(b - a).cross(unit_vector(c - a)));
+    let outward = if normal.dot(shading_normal) < 0.0 { -normal } else { normal };
+    let doubled_area = (b - a).cross(c - a).length();
+    let heights = [c - b, a - c, b - a].map(|edge| doubled_area / edge.length());
+    let kept = [0, 1, 2].map(|k| weights[k].max((EDGE_INSET / heights[k]).min(1.0 / 3.0)));
+    let point = (kept[0] * a + kept[1] * b + kept[2] * c) / kept.iter().sum::<f64>();
+    (point + CLEARANCE * outward).as_vec3()
+}
+
 /// The faces around a vertex.
 #[derive(Debug, Default)]
 struct Fan {

@@ -1,5 +1,6 @@
 //! Zonal textures as OpenEXR images with named channels.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 
@@ -12,15 +13,31 @@ use super::{ZonalTexture, write};
 use crate::Error;
 use crate::atomic::write_atomically;
 
+/// What the names of our attributes begin with.
+pub(crate) const ATTRIBUTE_PREFIX: &str = "prt.";
+
 /// Writes the image; returns its size.
 pub(super) fn write(texture: &ZonalTexture, path: &Path) -> Result<u64, Error> {
-    let channels = channels(texture)
-        .into_iter()
-        .map(|(name, values)| AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(values)));
+    write_planes((texture.width, texture.height), &write::texture_metadata(texture), channels(texture), path)
+}
+
+/// Writes an image of 32 bits with named channels; returns its size.
+///
+/// - `size`: columns and rows
+/// - `metadata`: become attributes
+/// - `channels`: name and values `[H, W]` of each
+pub(crate) fn write_planes(
+    size: (usize, usize),
+    metadata: &BTreeMap<&str, String>,
+    channels: Vec<(String, Vec<f32>)>,
+    path: &Path,
+) -> Result<u64, Error> {
+    let channels =
+        channels.into_iter().map(|(name, values)| AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(values)));
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let channels = AnyChannels::sort(channels.collect());
-    let layer = Layer::new((texture.width, texture.height), attributes(texture), encoding, channels);
+    let layer = Layer::new(size, attributes(metadata), encoding, channels);
     let image = Image::from_layer(layer);
     write_atomically(path, |writer| {
         image.write().to_buffered(writer).map_err(|error| match error {
@@ -36,10 +53,10 @@ pub(super) fn write(texture: &ZonalTexture, path: &Path) -> Result<u64, Error> {
 }
 
 /// The metadata as text, under names of our own: `channels` and others belong to the format.
-fn attributes(texture: &ZonalTexture) -> LayerAttributes {
+fn attributes(metadata: &BTreeMap<&str, String>) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
-    for (key, value) in write::texture_metadata(texture) {
-        let name = Text::new_or_panic(format!("prt.{key}"));
+    for (key, value) in metadata {
+        let name = Text::new_or_panic(format!("{ATTRIBUTE_PREFIX}{key}"));
         attributes.other.insert(name, AttributeValue::Text(Text::new_or_panic(value)));
     }
     attributes
@@ -71,7 +88,7 @@ fn channels(texture: &ZonalTexture) -> Vec<(String, Vec<f32>)> {
 }
 
 /// Values `[H, W, names]` as one plane for each name.
-fn planes(names: Vec<String>, values: &[f32]) -> Vec<(String, Vec<f32>)> {
+pub(crate) fn planes(names: Vec<String>, values: &[f32]) -> Vec<(String, Vec<f32>)> {
     let count = names.len();
     let plane = |(i, name): (usize, String)| (name, values.iter().skip(i).step_by(count).copied().collect());
     names.into_iter().enumerate().map(plane).collect()

@@ -14,7 +14,10 @@ use sh_core::Order;
 use crate::Error;
 use crate::input::read_file;
 
+pub(crate) use exr::{ATTRIBUTE_PREFIX, planes, write_planes};
+pub(crate) use read::{check_format, entry, metadata as read_metadata, order as read_order};
 pub use surface::BakedSurface;
+pub(crate) use write::metadata as metadata_entries;
 pub use zonal::{Material, ZonalSurface, ZonalTexture};
 
 /// The version of the format that is written, and the newest that is read.

@@ -79,7 +79,7 @@ fn zonal_texture(map: &BTreeMap<String, String>, file: &Tensors) -> Result<Zonal
     })
 }
 
-fn check_format(map: &BTreeMap<String, String>) -> Result<(), Reason> {
+pub(crate) fn check_format(map: &BTreeMap<String, String>) -> Result<(), Reason> {
     let format = entry(map, "format")?;
     if format != FORMAT {
         let is_newer = version(format) > version(FORMAT);
@@ -96,7 +96,7 @@ fn version(format: &str) -> Option<u32> {
     format.strip_prefix("prt/")?.parse().ok()
 }
 
-fn entry<'a>(map: &'a BTreeMap<String, String>, key: &str) -> Result<&'a str, Reason> {
+pub(crate) fn entry<'a>(map: &'a BTreeMap<String, String>, key: &str) -> Result<&'a str, Reason> {
     map.get(key).map(String::as_str).ok_or_else(|| format!("its metadata has no entry \"{key}\""))
 }
 
@@ -132,7 +132,7 @@ fn check_unit(axes: &[[f32; 3]]) -> Result<(), Reason> {
     }
 }
 
-fn order(map: &BTreeMap<String, String>) -> Result<Order, Reason> {
+pub(crate) fn order(map: &BTreeMap<String, String>) -> Result<Order, Reason> {
     let n: usize = number(map, "order")?;
     Order::new(n)
         .ok()
@@ -140,7 +140,7 @@ fn order(map: &BTreeMap<String, String>) -> Result<Order, Reason> {
         .ok_or_else(|| format!("its order is {n}; 1 to {} are read", BakeOptions::MAX_ORDER))
 }
 
-fn metadata(map: &BTreeMap<String, String>) -> Result<Metadata, Reason> {
+pub(crate) fn metadata(map: &BTreeMap<String, String>) -> Result<Metadata, Reason> {
     Ok(Metadata {
         rays: number(map, "rays")?,
         bounces: number(map, "bounces")?,

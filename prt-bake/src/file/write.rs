@@ -158,7 +158,8 @@ pub(super) fn lobe_shapes(transfer: &ZonalTransfer, points: &[usize]) -> [Vec<us
     ]
 }
 
-fn metadata(metadata: &Metadata, kind: &str, order: Order) -> BTreeMap<&'static str, String> {
+/// What every kind of file says of itself.
+pub(crate) fn metadata(metadata: &Metadata, kind: &str, order: Order) -> BTreeMap<&'static str, String> {
     let mut map = BTreeMap::from([
         ("format", FORMAT.to_owned()),
         ("kind", kind.to_owned()),

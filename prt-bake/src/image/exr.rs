@@ -1,15 +1,17 @@
 //! OpenEXR.
 
-use std::io::Cursor;
-use std::panic::catch_unwind;
+use std::collections::BTreeMap;
+use std::io::{self, Cursor};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::lines::LineIndex;
-use exr::block::{self, BlockIndex, UncompressedBlock};
+use exr::block::reader::Reader;
+use exr::block::{self, UncompressedBlock};
 use exr::compression::Compression;
 use exr::error::Error as ExrError;
 use exr::math::Vec2;
-use exr::meta::attribute::{ChannelList, SampleType};
+use exr::meta::attribute::{AttributeValue, ChannelList, SampleType, Text};
 use exr::meta::header::Header;
 use half::f16;
 
@@ -30,24 +32,94 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, Fault> {
 fn decode_image(bytes: &[u8]) -> Result<Image, Fault> {
     let reader = block::read(Cursor::new(bytes), false).map_err(fault)?;
     let (part, channels) = choose_part(reader.headers())?;
-    let meta_data = reader.meta_data().clone();
-    let header = &meta_data.headers[part];
-    check_header(header, bytes.len())?;
+    let header = reader.headers()[part].clone();
+    check_header(&header, bytes.len())?;
     let Vec2(width, height) = header.layer_size;
     // Every pixel that the file leaves out stays NaN, which the caller refuses.
     let mut image = Image { width, height, pixels: vec![[f32::NAN; 3]; width * height] };
+    for_each_block(reader, part, |block| copy_block(block, &header.channels, channels, &mut image))?;
+    convert_primaries(&header, &mut image);
+    Ok(image)
+}
+
+/// Hands over the blocks of the full resolution of one part.
+fn for_each_block<R: io::Read + io::Seek>(
+    reader: Reader<R>,
+    part: usize,
+    mut take: impl FnMut(&UncompressedBlock),
+) -> Result<(), Fault> {
+    let meta_data = reader.meta_data().clone();
     let chunks = reader
         .filter_chunks(true, |_, tile, block| block.layer == part && tile.level_index == Vec2(0, 0))
         .map_err(fault)?;
     // One thread: the crate's own pool would abort the program if a decoder panicked.
     for chunk in chunks {
         let chunk = chunk.map_err(fault)?;
-        check_chunk(&chunk, header)?;
-        let block = UncompressedBlock::decompress_chunk(chunk, &meta_data, false).map_err(fault)?;
-        copy_block(&block, &header.channels, channels, &mut image);
+        check_chunk(&chunk, &meta_data.headers[part])?;
+        take(&UncompressedBlock::decompress_chunk(chunk, &meta_data, false).map_err(fault)?);
     }
-    convert_primaries(header, &mut image);
-    Ok(image)
+    Ok(())
+}
+
+/// What the first part of an image says of itself.
+#[derive(Debug)]
+pub(crate) struct PartInfo {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Attributes that are text and no part of the format.
+    pub(crate) texts: BTreeMap<String, String>,
+    /// Names of the channels.
+    pub(crate) channels: Vec<String>,
+}
+
+/// Reads chosen channels of the first part of an image, `[H, W, slots]`; what the file leaves out is NaN.
+///
+/// - `choose`: the numbers of the channels that go to the slots
+pub(crate) fn decode_channels(
+    bytes: &[u8],
+    choose: impl FnOnce(&PartInfo) -> Result<Vec<usize>, Fault>,
+) -> Result<(PartInfo, Vec<f32>), Fault> {
+    catch_unwind(AssertUnwindSafe(|| read_channels(bytes, choose)))
+        .unwrap_or_else(|_| Err(Fault::malformed("its compressed data make the decoder fail")))
+}
+
+fn read_channels(
+    bytes: &[u8],
+    choose: impl FnOnce(&PartInfo) -> Result<Vec<usize>, Fault>,
+) -> Result<(PartInfo, Vec<f32>), Fault> {
+    let reader = block::read(Cursor::new(bytes), false).map_err(fault)?;
+    let header = reader.headers()[0].clone();
+    if header.deep {
+        return Err(Fault::unsupported("deep data is"));
+    }
+    check_header(&header, bytes.len())?;
+    let info = part_info(&header);
+    let slots = choose(&info)?;
+    let mut slot_of = vec![None; info.channels.len()];
+    slots.iter().enumerate().for_each(|(slot, &channel)| slot_of[channel] = Some(slot));
+    let mut values = vec![f32::NAN; info.width * info.height * slots.len()];
+    for_each_block(reader, 0, |block| {
+        for_each_line(block, &header.channels, |channel, row, left, samples| {
+            let (Some(slot), start) = (slot_of[channel], row * info.width + left) else { return };
+            let targets = values.iter_mut().skip(start * slots.len() + slot).step_by(slots.len());
+            copy_samples(samples, header.channels.list[channel].sample_type, targets);
+        });
+    })?;
+    Ok((info, values))
+}
+
+fn part_info(header: &Header) -> PartInfo {
+    let Vec2(width, height) = header.layer_size;
+    let text = |(name, value): (&Text, &AttributeValue)| match value {
+        AttributeValue::Text(value) => Some((name.to_string(), value.to_string())),
+        _ => None,
+    };
+    PartInfo {
+        width,
+        height,
+        texts: header.own_attributes.other.iter().filter_map(text).collect(),
+        channels: header.channels.list.iter().map(|channel| channel.name.to_string()).collect(),
+    }
 }
 
 /// The numbers of the channels that become red, green and blue.
@@ -123,38 +195,42 @@ fn check_chunk(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
     }
 }
 
-/// A block holds its lines from the top, and of each line the channels in turn.
 fn copy_block(block: &UncompressedBlock, channels: &ChannelList, rgb: Rgb, image: &mut Image) {
-    let BlockIndex { pixel_position: Vec2(left, _), pixel_size: Vec2(columns, _), .. } = block.index;
-    for (bytes, LineIndex { channel, position: Vec2(_, row), .. }) in LineIndex::lines_in_block(block.index, channels) {
-        let start = row * image.width + left;
-        let (Some(pixels), Some(samples)) = (image.pixels.get_mut(start..start + columns), block.data.get(bytes))
-        else {
-            return;
-        };
+    for_each_line(block, channels, |channel, row, left, samples| {
+        let Some(pixels) = image.pixels.get_mut(row * image.width + left..) else { return };
         for target in (0..3).filter(|&target| rgb[target] == channel) {
-            copy_samples(samples, channels.list[channel].sample_type, pixels, target);
+            let targets = pixels.iter_mut().map(|pixel| &mut pixel[target]);
+            copy_samples(samples, channels.list[channel].sample_type, targets);
         }
+    });
+}
+
+/// Calls `take(channel, row, first column, samples)` for each line of a block: it holds its lines from the top, and of each line the
+/// channels in turn.
+fn for_each_line(block: &UncompressedBlock, channels: &ChannelList, mut take: impl FnMut(usize, usize, usize, &[u8])) {
+    let left = block.index.pixel_position.x();
+    for (bytes, LineIndex { channel, position: Vec2(_, row), .. }) in LineIndex::lines_in_block(block.index, channels) {
+        let Some(samples) = block.data.get(bytes) else { return };
+        take(channel, row, left, samples);
     }
 }
 
 /// Samples are in the byte order of this machine. An unsigned integer counts as its value.
-fn copy_samples(samples: &[u8], sample_type: SampleType, pixels: &mut [[f32; 3]], target: usize) {
-    let pixels = pixels.iter_mut().map(|pixel| &mut pixel[target]);
+fn copy_samples<'a>(samples: &[u8], sample_type: SampleType, targets: impl Iterator<Item = &'a mut f32>) {
     match sample_type {
         SampleType::F16 => {
-            for (pixel, &sample) in pixels.zip(samples.as_chunks().0) {
-                *pixel = f16::from_ne_bytes(sample).to_f32();
+            for (target, &sample) in targets.zip(samples.as_chunks().0) {
+                *target = f16::from_ne_bytes(sample).to_f32();
             }
         }
         SampleType::F32 => {
-            for (pixel, &sample) in pixels.zip(samples.as_chunks().0) {
-                *pixel = f32::from_ne_bytes(sample);
+            for (target, &sample) in targets.zip(samples.as_chunks().0) {
+                *target = f32::from_ne_bytes(sample);
             }
         }
         SampleType::U32 => {
-            for (pixel, &sample) in pixels.zip(samples.as_chunks().0) {
-                *pixel = u32::from_ne_bytes(sample) as f32;
+            for (target, &sample) in targets.zip(samples.as_chunks().0) {
+                *target = u32::from_ne_bytes(sample) as f32;
             }
         }
     }

@@ -9,6 +9,7 @@ mod standard;
 
 use std::path::Path;
 
+pub(crate) use exr::{PartInfo, decode_channels};
 pub use save::{ExrPrecision, save_png};
 #[cfg(feature = "trace")]
 pub(crate) use srgb::linear_to_srgb;

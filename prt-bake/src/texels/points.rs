@@ -1,0 +1,70 @@
+//! The points of the surface that texels stand for.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use super::layout::Layout;
+use super::triangle::{Nearest, nearest};
+use crate::Scene;
+use crate::diffuse::face_origin;
+use crate::mesh::unit_vector;
+
+/// The points of a run of texels, as the direct pass takes them.
+#[derive(Debug, Default)]
+pub(super) struct Points {
+    /// Shading normals, unit length.
+    pub(super) normals: Vec<[f32; 3]>,
+    /// Where their rays start, in the frame that is traced in.
+    pub(super) origins: Vec<Vec3>,
+}
+
+impl Points {
+    /// - `texels`: each with its face
+    pub(super) fn new(layout: &Layout, scene: &Scene, texels: impl Iterator<Item = (usize, u32)>) -> Self {
+        let mut points = Self::default();
+        for (texel, face) in texels {
+            let weights = weights(layout, texel, face as usize);
+            let normal = normal(layout, face as usize, weights);
+            points.origins.push(face_origin(scene, corners(layout, face as usize), weights, normal));
+            points.normals.push(normal.as_vec3().to_array());
+        }
+        points
+    }
+}
+
+/// Weights of the face's corners at the point that is nearest to the centre of a texel.
+fn weights(layout: &Layout, texel: usize, face: usize) -> [f64; 3] {
+    let corners = layout.corners(face);
+    copies(layout, texel)
+        .map(|center| nearest(corners, center))
+        .min_by(|a: &Nearest, b: &Nearest| a.distance_squared.total_cmp(&b.distance_squared))
+        .map_or([1.0, 0.0, 0.0], |found| found.weights)
+}
+
+/// The centre of a texel, and where the atlas wraps round its copies near the atlas: a face that begins on it may end one size further.
+fn copies(layout: &Layout, texel: usize) -> impl Iterator<Item = DVec2> {
+    let grid = layout.grid;
+    let turns = |wraps: bool| if wraps { -1..=2 } else { 0..=0 };
+    let turns =
+        turns(grid.wraps[0]).flat_map(move |x| turns(grid.wraps[1]).map(move |y| DVec2::new(x.into(), y.into())));
+    turns.map(move |turn| grid.center(texel) + turn * grid.size())
+}
+
+/// The smooth normal; that of the face where the corners' cancel.
+fn normal(layout: &Layout, face: usize, weights: [f64; 3]) -> DVec3 {
+    let triangle = layout.mesh.triangles()[face];
+    let normals = triangle.map(|vertex| Vec3::from_array(layout.mesh.normals()[vertex as usize]).as_dvec3());
+    let mean = unit_vector(blend(weights, normals));
+    if mean == DVec3::ZERO {
+        let [a, b, c] = corners(layout, face);
+        return unit_vector(unit_vector(b - a).cross(unit_vector(c - a)));
+    }
+    mean
+}
+
+fn corners(layout: &Layout, face: usize) -> [DVec3; 3] {
+    layout.mesh.triangles()[face].map(|vertex| DVec3::from_array(layout.mesh.positions()[vertex as usize]))
+}
+
+fn blend(weights: [f64; 3], values: [DVec3; 3]) -> DVec3 {
+    weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
+}
