@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use glam::{Quat, Vec3};
-use prt_bake::{BakeOptions, Medium};
+use prt_bake::{BakeOptions, Medium, TexelOptions};
 use prt_gpu::{Evaluation, Frame};
 use sh_core::Order;
 
@@ -111,6 +111,17 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
     let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
     let (width, height) = sides.ok_or_else(|| format!("a size is WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}"))?;
     Ok(Size { width, height })
+}
+
+/// Texels along both sides, or along each.
+pub(crate) fn texels(text: &str) -> Result<Size, String> {
+    let side = text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    side.map_or_else(|| size(text), |side| Ok(Size { width: side, height: side }))
+}
+
+/// Texels around a chart.
+pub(crate) fn gutter(text: &str) -> Result<usize, String> {
+    ranged(text, 0, TexelOptions::MAX_GUTTER)
 }
 
 /// An order that can be baked.
@@ -296,6 +307,13 @@ mod tests {
         for wrong in ["", "640", "x", "640x", "0x5", "5x-1", "99999x2", "3x4x5", "4294967297x2", "a x b"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn texels_are_one_number_or_two() {
+        assert_eq!(texels("512").unwrap(), Size { width: 512, height: 512 });
+        assert_eq!(texels("64x32").unwrap(), Size { width: 64, height: 32 });
+        assert!(texels("0").is_err() && texels("99999").is_err() && texels("x").is_err());
     }
 
     #[test]

@@ -140,6 +140,7 @@ fn texture(
         shadowed: true,
         albedo: None,
         json: false,
+        texels: None,
     };
     let field = pattern.field(Pattern::SIZE, None)?;
     Ok(arguments.bake(&field, &common)?.texture)

@@ -25,9 +25,6 @@ pub(crate) struct PatchArguments {
     /// Height of the highest point, in units of the tile's width
     #[arg(long, value_name = "HEIGHT", value_parser = arguments::relief)]
     height: Option<f32>,
-    /// Texels of the result; by default 64x64 for the built-in patterns, and as many as an image has, up to 64 on its longer side
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = arguments::size)]
-    texels: Option<arguments::Size>,
     /// Scattering coefficient per tile width: makes the patch translucent
     #[arg(long, value_name = "R,G,B", value_parser = arguments::coefficients, conflicts_with_all = ["bounces", "albedo", "brdf"])]
     sigma_s: Option<[f32; 3]>,
@@ -65,6 +62,8 @@ pub(crate) struct Common {
     pub(crate) shadowed: bool,
     pub(crate) albedo: Option<[f32; 3]>,
     pub(crate) json: bool,
+    /// Texels of the result; by default 64x64 for the built-in patterns, and as many as an image has, up to 64 on its longer side.
+    pub(crate) texels: Option<arguments::Size>,
 }
 
 /// A height field by formula.
@@ -112,21 +111,21 @@ impl Origin {
         (!scene.exists()).then_some(Self::Pattern(pattern))
     }
 
-    fn field(&self, arguments: &PatchArguments) -> anyhow::Result<HeightField> {
-        let size = arguments.texels.map(|size| [size.width as usize, size.height as usize]);
+    fn field(&self, height: Option<f32>, texels: Option<arguments::Size>) -> anyhow::Result<HeightField> {
+        let size = texels.map(|size| [size.width as usize, size.height as usize]);
         match self {
             Self::Image(path) => {
                 let image = Image::load(path)?;
                 if looks_like_normals(&image) {
                     output::note(format_args!("{} looks like a map of normals, not of heights", path.display()));
                 }
-                let height = arguments.height.unwrap_or(Pattern::HEIGHT);
+                let height = height.unwrap_or(Pattern::HEIGHT);
                 Ok(HeightField::from_image(path, height, Some(size.unwrap_or_else(|| default_texels(&image))))?)
             }
             Self::Pattern(pattern) => {
-                let [width, height] = size.unwrap_or([Pattern::SIZE; 2]);
-                anyhow::ensure!(width == height, "a built-in pattern is square: --texels {width}x{height} is not");
-                Ok(pattern.field(width, arguments.height)?)
+                let [width, rows] = size.unwrap_or([Pattern::SIZE; 2]);
+                anyhow::ensure!(width == rows, "a built-in pattern is square: --texels {width}x{rows} is not");
+                Ok(pattern.field(width, height)?)
             }
         }
     }
@@ -173,7 +172,6 @@ impl PatchArguments {
     pub(crate) fn diffuse(lobes: usize) -> Self {
         Self {
             height: None,
-            texels: None,
             sigma_s: None,
             sigma_a: [0.4; 3],
             anisotropy: 0.0,
@@ -198,7 +196,7 @@ impl PatchArguments {
 
     /// Whether an option was given that makes sense for height fields alone.
     pub(crate) fn is_asked_for(&self) -> bool {
-        self.height.is_some() || self.texels.is_some() || self.sigma_s.is_some() || self.brdf.is_some()
+        self.height.is_some() || self.sigma_s.is_some() || self.brdf.is_some()
     }
 
     fn medium(&self) -> Option<Medium> {
@@ -344,7 +342,7 @@ pub(crate) fn run(scene: &Path, origin: &Origin, patch: &PatchArguments, common:
     output_file::check_differs(&output, scene)?;
     cancel::listen()?;
     let cause = || format!("cannot bake {}", scene.display());
-    let field = origin.field(patch).with_context(cause)?;
+    let field = origin.field(patch.height, common.texels).with_context(cause)?;
     let source = origin.source()?;
     let load = laps.lap();
     let mut baked = patch.bake(&field, common).with_context(cause)?;

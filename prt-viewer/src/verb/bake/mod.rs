@@ -1,6 +1,7 @@
 mod keeping;
 mod report;
 mod several;
+mod texels;
 
 use std::path::{Path, PathBuf};
 
@@ -11,9 +12,10 @@ use prt_bake::{
 use sh_core::Order;
 
 use super::bake_patch::{self, Common, Origin, PatchArguments};
+use crate::arguments::{self, Size};
 use crate::laps::Laps;
 use crate::progress_bar::BakeBar;
-use crate::{arguments, cancel, output, output_file};
+use crate::{cancel, output, output_file};
 use keeping::Keeping;
 use report::{Report, Seconds};
 
@@ -65,6 +67,12 @@ pub(crate) struct Arguments {
     /// Faces that meet at a larger angle have an edge between them, where the mesh has no normals
     #[arg(long, value_name = "DEGREES", default_value = "75", value_parser = arguments::crease, allow_hyphen_values = true)]
     crease: f32,
+    /// Bake the texels of a mesh's texture coordinates instead of its vertices, to OUT.exr; of a height field, the texels of the result
+    #[arg(long, value_name = "SIZE|WIDTHxHEIGHT", value_parser = arguments::texels)]
+    texels: Option<Size>,
+    /// Empty texels around a chart that are filled from it
+    #[arg(long, value_name = "TEXELS", default_value = "4", value_parser = arguments::gutter, requires = "texels")]
+    gutter: usize,
     #[command(flatten)]
     keeping: Keeping,
     /// Print one JSON object
@@ -93,6 +101,7 @@ impl Arguments {
             shadowed: !self.unshadowed,
             albedo: self.albedo,
             json: self.json,
+            texels: self.texels,
         }
     }
 
@@ -132,9 +141,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ([scene], [origin]) => run_patch(arguments, scene, origin),
         (_, [_, ..]) => Err(output::usage("height fields are baked one at a time")),
         _ if arguments.patch.is_asked_for() => {
-            Err(output::usage("--height, --texels, --sigma-s and --brdf are for height fields; the scene is a mesh"))
+            Err(output::usage("--height, --sigma-s and --brdf are for height fields; the scene is a mesh"))
         }
-        ([scene], _) => run_mesh(arguments, scene),
+        ([scene], _) => match arguments.texels {
+            Some(size) => texels::run(arguments, scene, size),
+            None => run_mesh(arguments, scene),
+        },
+        _ if arguments.texels.is_some() => Err(output::usage("texels are baked for one mesh at a time")),
         (scenes, _) => several::run(arguments, scenes),
     }
 }
@@ -203,7 +216,7 @@ pub(crate) fn mrays_per_second(report: &BakeReport) -> f64 {
 fn name_file(error: impl Into<anyhow::Error>, name: &dyn std::fmt::Display) -> anyhow::Error {
     let error = error.into();
     match error.downcast_ref() {
-        Some(Error::EmptyMesh { .. } | Error::InconsistentMesh(_) | Error::Option(_)) => {
+        Some(Error::EmptyMesh { .. } | Error::InconsistentMesh(_) | Error::Atlas(_) | Error::Option(_)) => {
             error.context(format!("cannot bake {name}"))
         }
         _ => error,
