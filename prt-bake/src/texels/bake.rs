@@ -16,7 +16,8 @@ use crate::{
 /// Bakes diffuse transfer for every texel of an atlas that the texture coordinates of a mesh lay out.
 ///
 /// A texel whose centre lies on a face holds the transfer of the point of the surface there: its position and its smooth normal are
-/// interpolated, and rays start outside of the face as they do from vertices. Texels that a bilinear lookup on a face can read but whose
+/// interpolated, and rays start outside of the face, above it where the smooth normals make it bulge, so that the edges of a coarse mesh do
+/// not show in its own shadow. Texels that a bilinear lookup on a face can read but whose
 /// centre lies outside of the chart hold the transfer of the face's nearest point. Where faces overlap, the one with the lowest number is
 /// baked. Faces may be mirrored. Where faces leave 0 to 1 the atlas wraps round, as textures do.
 ///

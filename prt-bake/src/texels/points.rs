@@ -7,6 +7,10 @@ use super::triangle::{Nearest, nearest};
 use crate::Scene;
 use crate::diffuse::face_origin;
 use crate::mesh::unit_vector;
+use crate::scene::{Hits, Packet, Stack};
+
+/// A point is lifted to the smooth surface only if there is this many times as much room: another surface may lie close above.
+const HEADROOM: f64 = 2.0;
 
 /// The points of a run of texels, as the direct pass takes them.
 #[derive(Debug, Default)]
@@ -24,7 +28,7 @@ impl Points {
         for (texel, face) in texels {
             let weights = weights(layout, texel, face as usize);
             let normal = normal(layout, face as usize, weights);
-            points.origins.push(face_origin(scene, corners(layout, face as usize), weights, normal));
+            points.origins.push(origin(layout, scene, face as usize, weights, normal));
             points.normals.push(normal.as_vec3().to_array());
         }
         points
@@ -59,6 +63,36 @@ fn normal(layout: &Layout, face: usize, weights: [f64; 3]) -> DVec3 {
         return unit_vector(unit_vector(b - a).cross(unit_vector(c - a)));
     }
     mean
+}
+
+/// Just outside of the face, and from there up to the smooth surface.
+fn origin(layout: &Layout, scene: &Scene, face: usize, weights: [f64; 3], normal: DVec3) -> Vec3 {
+    let corners = corners(layout, face);
+    let (origin, lift) = (face_origin(scene, corners, weights, normal), lift(layout, face, weights));
+    let position = blend(weights, corners);
+    let lift_here = scene.to_unit_cube(position + lift) - scene.to_unit_cube(position);
+    if lift_here != Vec3::ZERO && is_free(scene, origin, lift_here.normalize(), HEADROOM * lift.length()) {
+        return origin + lift_here;
+    }
+    origin
+}
+
+/// From a point of a face to the smooth surface above it, as far as that bulges outwards: the mean of the feet of the point on the tangent
+/// planes of the corners. Without it the smooth normals of a coarse mesh see its own faces, and every edge shows in shadows. Source:
+/// J. Hanika, *Hacking the Shadow Terminator*, Ray Tracing Gems II, 2021.
+fn lift(layout: &Layout, face: usize, weights: [f64; 3]) -> DVec3 {
+    let corners = corners(layout, face);
+    let position = blend(weights, corners);
+    let normals = layout.mesh.triangles()[face].map(|vertex| layout.mesh.normals()[vertex as usize]);
+    let normals = normals.map(|normal| Vec3::from_array(normal).as_dvec3());
+    blend(weights, [0, 1, 2].map(|k| (corners[k] - position).dot(normals[k]).max(0.0) * normals[k]))
+}
+
+/// Whether nothing is nearer than `distance`, in scene units, in some direction.
+fn is_free(scene: &Scene, origin: Vec3, direction: Vec3, distance: f64) -> bool {
+    let (packet, mut hits) = (Packet::new(&[direction]), Hits::default());
+    scene.closest_packet(origin, &packet, packet.all(), &mut hits, &mut Stack::default());
+    scene.hit(&hits, 0).is_none_or(|hit| hit.distance > distance)
 }
 
 fn corners(layout: &Layout, face: usize) -> [DVec3; 3] {

@@ -103,6 +103,16 @@ pub(super) fn sunken_box() -> Mesh {
     mesh(together(floor, cube))
 }
 
+/// A slanting square whose normals make it bulge 0.2 in its middle, and `gap` above it a parallel roof four times as wide.
+pub(super) fn roofed_square(gap: f64) -> Mesh {
+    let (slope, normal) = (DVec3::new(0.8, 0.0, 0.6), DVec3::new(-0.6, 0.0, 0.8));
+    let bulge = |s: f64| (normal + 0.5 * (2.0 * s - 1.0) * slope).normalize();
+    let floor = grid([1, 1], |[s, t]| (s * slope + t * DVec3::Y, bulge(s)), |[s, t]| [0.5 * s, t]);
+    let roof = |[s, t]: [f64; 2]| ((2.5 - 4.0 * t) * slope + (4.0 * s - 1.5) * DVec3::Y + gap * normal, -normal);
+    let roof = grid([1, 1], roof, |[s, t]| [0.6 + 0.4 * s, t]);
+    mesh(together(floor, roof))
+}
+
 /// A long groove whose walls, 1 wide, enclose an angle of air. They meet at u = 0.25, one in the upper, one in the lower part of the atlas.
 pub(super) fn groove(angle: f64) -> Mesh {
     let (sin, cos) = angle.sin_cos();
