@@ -215,3 +215,7 @@ fn heaviest(mut entries: Vec<(u32, f64)>) -> Vec<VertexWeight> {
     let sum: f64 = entries.iter().map(|(_, weight)| weight).sum();
     entries.into_iter().map(|(source, weight)| (source, (weight / sum) as f32)).collect()
 }
+
+#[cfg(test)]
+#[path = "inside_tests.rs"]
+mod tests;

@@ -226,8 +226,8 @@ struct Wedge {
     planes: [Vec3; 3],
     /// Six times the volume of the tetrahedron of origin and triangle, not negative.
     volume: f32,
-    /// A ray is inside if none of its weights is below this: a little less than zero.
-    threshold: f32,
+    /// A ray is inside if none of its weights is below these: a little less than zero.
+    thresholds: [f32; 3],
     is_front: bool,
 }
 
@@ -244,9 +244,12 @@ impl Wedge {
         // Negative if the triangle turns its front, from which corners run counter-clockwise, to the origin.
         let is_front = volume < 0.0;
         let sign = 1.0_f32.copysign(volume);
-        let reach = a.length_squared().max(b.length_squared()).max(c.length_squared());
+        // By the distances of the two corners of each edge: a face next to the origin, which starts beside it, must not reach beyond its
+        // edges by more than the others.
+        let [to_a, to_b, to_c] = [a.length(), b.length(), c.length()];
+        let thresholds = [to_b * to_c, to_c * to_a, to_a * to_b].map(|product| -PLANE_TOLERANCE * product);
         let planes = [across_a * sign, c.cross(a) * sign, a.cross(b) * sign];
-        Some(Self { planes, volume: volume * sign, threshold: -PLANE_TOLERANCE * reach, is_front })
+        Some(Self { planes, volume: volume * sign, thresholds, is_front })
     }
 
     /// For each ray the products with the three planes: the barycentric weights, times a common factor.
@@ -264,8 +267,8 @@ impl Wedge {
 }
 
 #[inline(always)]
-fn is_inside(weights: &[Lanes<f32>; 3], lane: usize, threshold: f32) -> u32 {
-    mask(weights[0][lane] >= threshold) & mask(weights[1][lane] >= threshold) & mask(weights[2][lane] >= threshold)
+fn is_inside(weights: &[Lanes<f32>; 3], lane: usize, [a, b, c]: [f32; 3]) -> u32 {
+    mask(weights[0][lane] >= a) & mask(weights[1][lane] >= b) & mask(weights[2][lane] >= c)
 }
 
 /// Of the `rays`, those that meet any triangle.
@@ -291,7 +294,7 @@ pub(super) fn occluded(
                 }
                 let weights = wedge.weights(&packet.direction[block]);
                 for lane in 0..LANES {
-                    alive[block][lane] &= !is_inside(&weights, lane, wedge.threshold);
+                    alive[block][lane] &= !is_inside(&weights, lane, wedge.thresholds);
                 }
             }
         }
@@ -384,7 +387,7 @@ impl Hits {
             sum[lane] = weights[0][lane] + weights[1][lane] + weights[2][lane];
             // The distance is volume / sum; nothing is divided before a ray is known to hit.
             let is_less = mask(wedge.volume < self.distance[block][lane] * sum[lane]) & mask(sum[lane] > 0.0);
-            is_nearer[lane] = is_less & is_inside(weights, lane, wedge.threshold) & alive[lane];
+            is_nearer[lane] = is_less & is_inside(weights, lane, wedge.thresholds) & alive[lane];
         }
         if !any(&is_nearer) {
             return;
