@@ -29,6 +29,7 @@ mod input;
 #[cfg(feature = "trace")]
 mod job;
 mod load;
+mod material;
 mod mesh;
 mod options;
 #[cfg(feature = "trace")]
@@ -56,7 +57,8 @@ pub use image::{ExrPrecision, Image, save_png};
 #[cfg(feature = "trace")]
 pub use job::{BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_to_file, journal_info, merge_parts};
 pub use load::load_mesh;
-pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
+pub use material::{SurfaceMaterial, Texture, TextureMap, TextureWrap};
+pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource, TwoSided};
 pub use options::{BakeOptions, InsidePolicy};
 #[cfg(feature = "trace")]
 pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, ScatteringReport, bake_patch};

@@ -75,6 +75,7 @@ impl Vertices {
             albedo: self.albedo(statements),
             positions,
             triangles,
+            ..MeshSource::default()
         })
     }
 
