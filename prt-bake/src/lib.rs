@@ -9,7 +9,8 @@
 //!
 //! Those of [`sh_core`]. Transfer is `1/π ∫ V(s) max(n·s, 0) y(s) ds` plus what other surfaces reflect, with *their* albedo: it holds
 //! the `1/π` of the diffuse BRDF and never the albedo of the receiving vertex, so that exit radiance is `albedo · (transfer · light)`.
-//! Radiance is linear and relative to the scene. Surfaces are one-sided: the back of a face occludes and is black.
+//! Radiance is linear and relative to the scene. The back of a face occludes and is black, unless the face has a
+//! twin that looks the other way ([`TwoSided`]); rays pass through the holes of alpha-masked materials ([`SurfaceMaterial`]).
 //!
 //! # Features
 //!

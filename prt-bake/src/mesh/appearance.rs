@@ -60,10 +60,10 @@ impl Mesh {
         }
     }
 
-    /// The coordinate of the texture of a face; the origin if there is none.
+    /// The coordinate of the texture of a face; NaN, for which textures are white, if the mesh has none.
     pub(crate) fn texture_uv(&self, face: usize, barycentric: [f32; 2]) -> [f32; 2] {
         let uvs = if self.texture_uvs.is_empty() { self.uvs.as_deref().unwrap_or_default() } else { &self.texture_uvs };
-        interpolated(uvs, self.triangles[face], barycentric).unwrap_or_default()
+        interpolated(uvs, self.triangles[face], barycentric).unwrap_or([f32::NAN; 2])
     }
 
     /// 1 if no surface of the mesh has a hue, so that light of all colours is reflected alike, else 3.
