@@ -9,7 +9,8 @@
 //!
 //! Those of [`sh_core`]. Transfer is `1/π ∫ V(s) max(n·s, 0) y(s) ds` plus what other surfaces reflect, with *their* albedo: it holds
 //! the `1/π` of the diffuse BRDF and never the albedo of the receiving vertex, so that exit radiance is `albedo · (transfer · light)`.
-//! Radiance is linear and relative to the scene. Surfaces are one-sided: the back of a face occludes and is black.
+//! Radiance is linear and relative to the scene. The back of a face occludes and is black, unless the face has a
+//! twin that looks the other way ([`TwoSided`]); rays pass through the holes of alpha-masked materials ([`SurfaceMaterial`]).
 //!
 //! # Features
 //!
@@ -29,6 +30,7 @@ mod input;
 #[cfg(feature = "trace")]
 mod job;
 mod load;
+mod material;
 mod mesh;
 mod options;
 #[cfg(feature = "trace")]
@@ -56,7 +58,8 @@ pub use image::{ExrPrecision, Image, save_png};
 #[cfg(feature = "trace")]
 pub use job::{BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_to_file, journal_info, merge_parts};
 pub use load::load_mesh;
-pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource};
+pub use material::{SurfaceMaterial, Texture, TextureMap, TextureWrap};
+pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource, TwoSided};
 pub use options::{BakeOptions, InsidePolicy};
 #[cfg(feature = "trace")]
 pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, ScatteringReport, bake_patch};

@@ -17,6 +17,8 @@ mod gltf;
 mod gltf_bad;
 #[path = "readers/hdr.rs"]
 mod hdr;
+#[path = "readers/materials.rs"]
+mod materials;
 #[path = "readers/obj.rs"]
 mod obj;
 #[path = "readers/off.rs"]

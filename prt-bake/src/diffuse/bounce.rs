@@ -3,29 +3,23 @@
 use super::HitRecord;
 use crate::TransferVectors;
 
-/// What a surface sends out: the transfer of one pass, times albedo.
+/// The transfer of one pass, and the faces that reflect it. What a point sends out is its transfer times its albedo, which the records of
+/// hits hold.
 #[derive(Debug)]
 pub(crate) struct Reflection<'a> {
     triangles: &'a [[u32; 3]],
-    outgoing: TransferVectors,
+    arriving: TransferVectors,
 }
 
 impl<'a> Reflection<'a> {
-    /// - `albedo`: of each vertex
     /// - `arriving`: transfer at each vertex, without its albedo
-    pub(crate) fn new(triangles: &'a [[u32; 3]], albedo: &[[f32; 3]], mut arriving: TransferVectors) -> Self {
-        let coeff_count = arriving.order.coeff_count();
-        for (rows, albedo) in arriving.values.chunks_exact_mut(arriving.channels * coeff_count).zip(albedo) {
-            for (row, albedo) in rows.chunks_exact_mut(coeff_count).zip(albedo) {
-                row.iter_mut().for_each(|value| *value *= albedo);
-            }
-        }
-        Self { triangles, outgoing: arriving }
+    pub(crate) fn new(triangles: &'a [[u32; 3]], arriving: TransferVectors) -> Self {
+        Self { triangles, arriving }
     }
 
     /// Length of the transfer of one vertex, `C n²`.
     pub(crate) fn row_length(&self) -> usize {
-        self.outgoing.channels * self.outgoing.order.coeff_count()
+        self.arriving.channels * self.arriving.order.coeff_count()
     }
 
     /// What arrives along the hits `q` of one point after one more bounce, `[C, n²]`: `M_b(p) = Σ w ρ(q) M_{b-1}(q)`. `sum` is
@@ -35,9 +29,13 @@ impl<'a> Reflection<'a> {
         sum.resize(self.row_length(), 0.0);
         for hit in hits {
             let triangle = self.triangles[hit.triangle() as usize];
-            let weights = hit.corner_weights().map(|weight| (weight * f64::from(hit.weight)) as f32);
-            let rows = triangle.map(|vertex| &self.outgoing.values[vertex as usize * sum.len()..][..sum.len()]);
-            add_interpolated(sum, rows, weights);
+            for ((channel, sum), weight) in
+                sum.chunks_exact_mut(self.arriving.order.coeff_count()).enumerate().zip(hit.weights())
+            {
+                let rows = triangle.map(|vertex| self.arriving.vector(vertex as usize, channel));
+                let weights = hit.corner_weights().map(|corner| (corner * f64::from(weight)) as f32);
+                add_interpolated(sum, rows, weights);
+            }
         }
     }
 }

@@ -3,14 +3,15 @@
 use glam::Vec3;
 
 use super::{HitRecord, VertexStats};
-use crate::Scene;
 use crate::sampling::{DirectionSet, PACKET_SIZE};
 use crate::scene::{Hits, Packet, Stack};
 use crate::transfer::unshadowed_vector;
+use crate::{Mesh, Scene};
 
 /// All that the rays of one bake share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DirectPass<'a> {
+    pub(crate) mesh: &'a Mesh,
     pub(crate) scene: &'a Scene,
     pub(crate) directions: &'a DirectionSet,
     pub(crate) normals: &'a [[f32; 3]],
@@ -90,7 +91,10 @@ impl DirectPass<'_> {
             for lane in set_bits(&[occluded]) {
                 let weight = scratch.solid_angle * self.cosine(normal, number * Packet::SIZE + lane);
                 let hit = self.scene.hit(&scratch.hits, lane).filter(|hit| hit.is_front);
-                records.extend(hit.map(|hit| HitRecord::new(hit.triangle, hit.barycentric, weight as f32)));
+                records.extend(hit.map(|hit| {
+                    let albedo = self.mesh.albedo_at(hit.triangle as usize, hit.barycentric);
+                    HitRecord::new(hit.triangle, hit.barycentric, weight as f32, albedo)
+                }));
             }
         }
         records.shrink_to_fit();

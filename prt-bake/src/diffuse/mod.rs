@@ -55,7 +55,8 @@ pub struct BakeReport {
 /// sky is exact. The error at 4,096 rays and order 6 is about 2e-3 of the unshadowed vector; the report estimates it for the mesh
 /// at hand, and `repro -- prt/error-against-rays` of `prt-benches` draws its curve. Sums are in `f64`. Same options, same bytes, for any number of threads.
 ///
-/// Surfaces are one-sided: the back of a face occludes and reflects nothing. Where the smooth normal sees below the true surface, the
+/// The back of a face occludes and reflects nothing, unless the face has a twin; see [`Mesh`]. Rays pass through the holes of materials
+/// (see [`SurfaceMaterial`](crate::SurfaceMaterial)), and what a point reflects has the colour of its texture there. Where the smooth normal sees below the true surface, the
 /// surface itself occludes, so there is no light from below but the shadow terminator can show on coarse meshes.
 ///
 /// # Errors

@@ -7,6 +7,8 @@ use sh_core::Order;
 use super::*;
 use crate::{MeshOptions, MeshSource, Pass};
 
+mod materials;
+
 /// Two squares of side `2 half`, one above the other at distance `gap`, facing each other; each of `cells²` cells.
 fn facing_plates(half: f64, gap: f64, cells: u32) -> Mesh {
     let mut source = MeshSource::default();

@@ -14,7 +14,7 @@ pub use save::{ExrPrecision, save_png};
 #[cfg(feature = "trace")]
 pub(crate) use srgb::linear_to_srgb;
 pub(crate) use srgb::{srgb_to_linear, srgb8_to_linear};
-pub(crate) use standard::decode_rgb8;
+pub(crate) use standard::decode_rgba8;
 
 use crate::Error;
 use crate::input::{Fault, check_is_file, extension, read_file};

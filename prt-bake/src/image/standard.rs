@@ -29,9 +29,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, Fault> {
     Ok(Image { width, height, pixels })
 }
 
-/// Width, height and sRGB pixels of either format; 16-bit images lose their lower bits.
-pub(crate) fn decode_rgb8(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), Fault> {
-    let image = decode_any(bytes)?.into_rgb8();
+/// Width, height and sRGB pixels with alpha of either format; 16-bit images lose their lower bits.
+pub(crate) fn decode_rgba8(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 4]>), Fault> {
+    let image = decode_any(bytes)?.into_rgba8();
     let (width, height) = (image.width() as usize, image.height() as usize);
     Ok((width, height, image.pixels().map(|pixel| pixel.0).collect()))
 }

@@ -26,6 +26,8 @@ pub(super) struct Header {
     mesh: String,
     pub(super) settings: Settings,
     pub(super) vertex_count: usize,
+    /// Of the transfer: 3 if light is reflected and a surface reflects its colours differently, else 1.
+    pub(super) channels: usize,
     /// Number and count.
     part: (u32, u32),
 }
@@ -101,6 +103,7 @@ impl Header {
             mesh: mesh.content_hash(),
             settings: Settings::of(options),
             vertex_count: mesh.positions().len(),
+            channels: if options.bounces > 0 { mesh.channel_count() } else { 1 },
             part: (part.number(), part.count()),
         }
     }

@@ -73,10 +73,20 @@ fn finished(
     report: &mut BakeReport,
 ) -> Result<BakedSurface, Error> {
     let start = Instant::now();
-    let (triangles, albedo) = (&geometry.triangles, &geometry.albedo);
+    let triangles = &geometry.triangles;
     let &BakeOptions { order, bounces, bounce_threshold: threshold, .. } = options;
     let inside = &inside_plan(&geometry, options, &report.vertices);
-    let reflector = Reflector { journal, triangles, albedo, order, bounces, threshold, inside, threads };
+    let reflector = Reflector {
+        journal,
+        triangles,
+        vertex_count: header.vertex_count,
+        channels: header.channels,
+        order,
+        bounces,
+        threshold,
+        inside,
+        threads,
+    };
     report.bounce_energy = reflector.reflect(progress)?;
     let bounces = report.bounce_energy.len();
     let is_kept = options.keep_shadowed && bounces > 0;

@@ -13,8 +13,9 @@ use crate::{Error, Pass, Progress, TransferVectors};
 pub(crate) struct Reflector<'a> {
     pub(crate) journal: &'a Journal,
     pub(crate) triangles: &'a [[u32; 3]],
-    /// Of each vertex.
-    pub(crate) albedo: &'a [[f32; 3]],
+    pub(crate) vertex_count: usize,
+    /// Of the result: colour is carried only if it is reflected.
+    pub(crate) channels: usize,
     pub(crate) order: Order,
     /// How many bounces to follow.
     pub(crate) bounces: usize,
@@ -27,13 +28,7 @@ pub(crate) struct Reflector<'a> {
 
 impl Reflector<'_> {
     fn blocks(&self) -> Blocks {
-        Blocks::of(self.albedo.len())
-    }
-
-    /// Colour is carried only if it is reflected.
-    fn channels(&self) -> usize {
-        let is_grey = self.bounces == 0 || self.albedo.iter().all(|[r, g, b]| r == g && g == b);
-        if is_grey { 1 } else { 3 }
+        Blocks::of(self.vertex_count)
     }
 
     /// Follows the bounces that were asked for, and writes down what each adds. Returns the lengths of what they added, relative to direct
@@ -47,7 +42,7 @@ impl Reflector<'_> {
         let mut before = self.read_pass(0)?;
         let direct_length = length(&before);
         for bounce in 1..=self.bounces {
-            progress.start(Pass::Bounce(bounce), self.albedo.len());
+            progress.start(Pass::Bounce(bounce), self.vertex_count);
             self.bounce(bounce, before, progress)?;
             before = self.read_pass(bounce)?;
             let share = length(&before) / direct_length.max(f64::MIN_POSITIVE);
@@ -65,7 +60,7 @@ impl Reflector<'_> {
         let (done, missing): (Vec<u32>, Vec<u32>) =
             (0..blocks.count()).partition(|&block| self.journal.has_rows(bounce, block));
         progress.advance(done.iter().map(|&block| blocks.vertices(block).len()).sum(), 0);
-        let reflection = Reflection::new(self.triangles, self.albedo, before);
+        let reflection = Reflection::new(self.triangles, before);
         self.threads.for_each_block(&missing, progress, Vec::new, |sum, &block| {
             let vertices = blocks.vertices(block);
             let hits = self.journal.read_hits(block, vertices.len(), self.triangles.len())?;
@@ -81,9 +76,9 @@ impl Reflector<'_> {
 
     /// The transfer that a pass brought, in the channels of the result.
     fn read_pass(&self, pass: usize) -> Result<TransferVectors, Error> {
-        let channels = self.channels();
+        let channels = self.channels;
         let read_channels = if pass == 0 { 1 } else { channels };
-        let mut transfer = TransferVectors::zero(self.albedo.len(), channels, self.order);
+        let mut transfer = TransferVectors::zero(self.vertex_count, channels, self.order);
         let length = self.order.coeff_count();
         let mut rows = Vec::new();
         for block in 0..self.blocks().count() {
@@ -102,7 +97,7 @@ impl Reflector<'_> {
 
     /// Direct light alone, of one channel.
     pub(crate) fn direct(&self) -> Result<TransferVectors, Error> {
-        Self { bounces: 0, ..*self }.read_pass(0)
+        Self { channels: 1, ..*self }.read_pass(0)
     }
 
     /// The light of all passes together, in the order in which they came.

@@ -35,7 +35,8 @@ pub(super) fn trace(
     let scene = Scene::new(mesh);
     let origins = ray_origins(mesh, &scene);
     let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
-    let direct = DirectPass { scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
+    let direct =
+        DirectPass { mesh, scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
     let probe = ErrorProbe::new(options, mesh.positions().len());
     let validity = ValidityTest::new(&scene, mesh);
     let tracer = Tracer { direct, validity, probe, keep_hits: options.bounces > 0, blocks, journal, progress };

@@ -20,13 +20,17 @@ use crate::mesh::MeshSource;
 /// | extension | format | vertices | albedo |
 /// |---|---|---|---|
 /// | `glb`, `gltf` | glTF 2.0 | all primitives of the default scene, in world space; skins in their rest pose, morph targets at their default weights | base colour factor × texture at the vertex × `COLOR_0` |
-/// | `obj` | Wavefront | distinct `v/vt/vn`; the file's own where it has only `v` | `Kd` of the material library, else the vertex colour (sRGB) |
+/// | `obj` | Wavefront | distinct `v/vt/vn`; the file's own where it has only `v` | `Kd` of the material library × `map_Kd` at the vertex, else the vertex colour (sRGB) |
 /// | `ply` | Stanford PLY, ASCII and both binary orders | the file's own | `red green blue`: integers are sRGB, floats linear |
 /// | `off` | OFF, also with `C`, `N`, `ST` | the file's own | as in PLY |
 ///
 /// Polygons are split into triangles that keep their orientation. Texture coordinates are as the file gives them: `v`
-/// runs down in glTF and up in the others. Albedo is clamped to 0..1; alpha and metalness are ignored. Nothing is
-/// cleaned: positions may be NaN, faces degenerate and vertices unused ([`Mesh::new`](crate::Mesh::new) deals with them).
+/// runs down in glTF and up in the others. Albedo is clamped to 0..1; metalness and the alpha of vertex colours are ignored.
+///
+/// Faces keep their materials: textures, `doubleSided`, holes where alpha is below the cutoff (`alphaMode` `MASK`) or below one half
+/// (`BLEND`, with a warning in [`MeshSource::warnings`]; `map_d` in OBJ). Every node with a mesh in glTF, and every object and group in OBJ,
+/// is a part; a node that is mirrored (a transform of negative determinant) has its faces turned over, so that
+/// they look outwards, and a mesh that several nodes use is there once for each. Nothing is cleaned: positions may be NaN, faces degenerate and vertices unused ([`Mesh::new`](crate::Mesh::new) deals with them).
 ///
 /// Memory is at most about a hundred times the file's size, whatever its header claims (textures and what a glTF
 /// scene repeats aside, which have limits of their own).

@@ -27,7 +27,13 @@ impl Polygons {
         self.sizes.push((self.corners.len() - before) as u32);
     }
 
-    /// Splits every face into triangles that keep its orientation, in the order of the faces.
+    /// [`triangulate_numbered`](Self::triangulate_numbered), without the numbers.
+    pub(super) fn triangulate(&self, positions: &[[f64; 3]]) -> Result<Vec<[u32; 3]>, Fault> {
+        self.triangulate_numbered(positions).map(|(triangles, _)| triangles)
+    }
+
+    /// Splits every face into triangles that keep its orientation, in the order of the faces; returns them, and for each the number of
+    /// its face.
     ///
     /// A face of one or two corners becomes a degenerate triangle, so that whoever counts degenerate faces counts it;
     /// one of no corners vanishes. Quadrilaterals are cut along the diagonal that leaves two proper triangles.
@@ -36,8 +42,9 @@ impl Polygons {
     ///
     /// # Errors
     /// A corner past the end of `positions`; a concave polygon beyond the limits of [`EarClipper`].
-    pub(super) fn triangulate(&self, positions: &[[f64; 3]]) -> Result<Vec<[u32; 3]>, Fault> {
+    pub(super) fn triangulate_numbered(&self, positions: &[[f64; 3]]) -> Result<(Vec<[u32; 3]>, Vec<u32>), Fault> {
         let mut triangles = Vec::with_capacity(self.sizes.iter().map(|&size| size.saturating_sub(2) as usize).sum());
+        let mut numbers = Vec::with_capacity(triangles.capacity());
         let mut clipper = EarClipper::default();
         let mut rest = self.corners.as_slice();
         for (face, &size) in self.sizes.iter().enumerate() {
@@ -45,8 +52,9 @@ impl Polygons {
             rest = after;
             check_range(face, corners, positions.len())?;
             split_face(face, corners, positions, &mut clipper, &mut triangles)?;
+            numbers.resize(triangles.len(), face as u32);
         }
-        Ok(triangles)
+        Ok((triangles, numbers))
     }
 }
 

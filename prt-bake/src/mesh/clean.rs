@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::{MeshReport, MeshSource, corners, weld_positions};
-use crate::Error;
+use crate::{Error, SurfaceMaterial};
 
 /// A face is degenerate if twice its area is at most about this fraction of its longest edge squared. Three points on a line, rounded
 /// to `f32` far from the origin, must fall below it; a sliver of 1 : 10⁶ must not.
@@ -15,13 +15,17 @@ pub(super) fn check_shapes(source: &MeshSource) -> Result<(), Error> {
     if u32::try_from(vertex_count).is_err() {
         return Err(Error::InconsistentMesh(format!("{vertex_count} vertices; at most {} are supported", u32::MAX)));
     }
-    for (what, length) in
-        [("normals", source.normals.len()), ("uvs", source.uvs.len()), ("albedo", source.albedo.len())]
-    {
-        if length != 0 && length != vertex_count {
-            return Err(Error::InconsistentMesh(format!("{length} {what} for {vertex_count} vertices")));
-        }
-    }
+    let of_vertices = [
+        ("normals", source.normals.len()),
+        ("uvs", source.uvs.len()),
+        ("albedo", source.albedo.len()),
+        ("texture uvs", source.texture_uvs.len()),
+        ("tints", source.tints.len()),
+    ];
+    of_vertices.into_iter().try_for_each(|(what, length)| check_length(what, length, "vertices", vertex_count))?;
+    check_length("materials", source.face_material.len(), "faces", source.triangles.len())?;
+    check_length("parts", source.face_part.len(), "faces", source.triangles.len())?;
+    check_numbers(source)?;
     let past_end =
         source.triangles.iter().position(|triangle| triangle.iter().any(|&vertex| vertex as usize >= vertex_count));
     match past_end {
@@ -33,13 +37,40 @@ pub(super) fn check_shapes(source: &MeshSource) -> Result<(), Error> {
     }
 }
 
+fn check_length(what: &str, length: usize, of: &str, count: usize) -> Result<(), Error> {
+    if length != 0 && length != count {
+        return Err(Error::InconsistentMesh(format!("{length} {what} for {count} {of}")));
+    }
+    Ok(())
+}
+
+/// Checks the numbers of materials and parts, and the numbers in materials.
+fn check_numbers(source: &MeshSource) -> Result<(), Error> {
+    let past_end = |number: u32, count: usize| number != SurfaceMaterial::NONE && number as usize >= count;
+    for (what, numbers, count) in
+        [("material", &source.face_material, source.materials.len()), ("part", &source.face_part, source.parts.len())]
+    {
+        if let Some(face) = numbers.iter().position(|&number| past_end(number, count)) {
+            let number = numbers[face];
+            return Err(Error::InconsistentMesh(format!("face {face} has {what} {number}, but there are {count}")));
+        }
+    }
+    let is_bad = |material: &SurfaceMaterial| {
+        !material.base_color.iter().chain(&material.alpha_cutoff).all(|value| value.is_finite())
+    };
+    match source.materials.iter().position(is_bad) {
+        Some(material) => Err(Error::InconsistentMesh(format!("the numbers of material {material} are not finite"))),
+        None => Ok(()),
+    }
+}
+
 /// Drops faces that are not finite, have no area, or repeat an earlier one.
 pub(super) fn drop_bad_faces(source: &mut MeshSource, report: &mut MeshReport) -> Result<(), Error> {
     let given = source.triangles.len();
     let welded = weld_positions(&source.positions);
     let mut seen = HashSet::with_capacity(given);
     let positions = &source.positions;
-    source.triangles.retain(|&triangle| {
+    let mut is_good = |&triangle: &[u32; 3]| {
         let counter = if !is_finite(positions, triangle) {
             &mut report.non_finite
         } else if is_degenerate(positions, triangle) {
@@ -51,7 +82,9 @@ pub(super) fn drop_bad_faces(source: &mut MeshSource, report: &mut MeshReport) -
         };
         *counter += 1;
         false
-    });
+    };
+    let good: Vec<bool> = source.triangles.iter().map(&mut is_good).collect();
+    source.retain_faces(&good);
     if source.triangles.is_empty() {
         return Err(Error::EmptyMesh { reason: why_empty(given, report) });
     }
@@ -98,10 +131,7 @@ pub(super) fn drop_unused_vertices(source: &mut MeshSource, report: &mut MeshRep
     if report.vertices_unused == 0 {
         return;
     }
-    retain(&mut source.positions, &used);
-    retain(&mut source.normals, &used);
-    retain(&mut source.uvs, &used);
-    retain(&mut source.albedo, &used);
+    source.retain_vertices(&used);
     let new_number = new_numbers(&used);
     source.triangles.iter_mut().flatten().for_each(|vertex| *vertex = new_number[*vertex as usize]);
 }
@@ -116,11 +146,6 @@ fn new_numbers(used: &[bool]) -> Vec<u32> {
     used.iter().map(number).collect()
 }
 
-fn retain<T>(values: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    values.retain(|_| *keep.next().unwrap_or(&false));
-}
-
 /// Fills in the albedo that the file does not give, and limits the rest to 0 to 1.
 pub(super) fn complete_albedo(albedo: &mut Vec<[f32; 3]>, vertex_count: usize, default: [f32; 3]) {
     albedo.resize(vertex_count, default);
@@ -130,5 +155,12 @@ pub(super) fn complete_albedo(albedo: &mut Vec<[f32; 3]>, vertex_count: usize, d
         } else {
             default
         };
+    }
+}
+
+/// Limits colours to 0 to 1; what is not finite is white.
+pub(super) fn limit_tints(tints: &mut [[f32; 3]]) {
+    for channel in tints.iter_mut().flatten() {
+        *channel = if channel.is_finite() { channel.clamp(0.0, 1.0) } else { 1.0 };
     }
 }

@@ -1,19 +1,25 @@
 //! The triangle mesh: as a file gives it, and as the rest of the crate trusts it.
 
+mod appearance;
 mod clean;
+#[cfg(feature = "trace")]
+mod content;
+mod enclosed;
+mod links;
 mod normals;
+mod source;
+mod twins;
 mod weld;
 
-use crate::Error;
-#[cfg(feature = "trace")]
-use crate::hash::Content;
+use crate::{Error, SurfaceMaterial};
 
+pub use twins::TwoSided;
 #[cfg_attr(not(feature = "trace"), expect(unused_imports, reason = "a bake fills across coincident positions"))]
 pub(crate) use weld::weld_positions;
 
 /// A mesh as a file gives it, before it is checked: the input of [`Mesh::new`].
 ///
-/// Every per-vertex array is empty or as long as `positions`.
+/// Every per-vertex array is empty or as long as `positions`, every per-face array empty or as long as `triangles`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeshSource {
     /// Positions, scene units. Kept in `f64` so that a scene far from its origin loses nothing before it is recentred.
@@ -26,6 +32,21 @@ pub struct MeshSource {
     pub albedo: Vec<[f32; 3]>,
     /// Three vertex numbers a face, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// What faces look like. Where a face's material has a texture, that texture and not `albedo` tells what the face reflects onto
+    /// others, and where it has holes.
+    pub materials: Vec<SurfaceMaterial>,
+    /// For each face the number of its material, or [`SurfaceMaterial::NONE`].
+    pub face_material: Vec<u32>,
+    /// Coordinates of the materials' textures, where these are others than `uvs`.
+    pub texture_uvs: Vec<[f32; 2]>,
+    /// Linear colour by which the materials' textures are multiplied.
+    pub tints: Vec<[f32; 3]>,
+    /// Names of the parts that the file is made of: nodes with a mesh in glTF, objects and groups in OBJ.
+    pub parts: Vec<String>,
+    /// For each face the number of its part.
+    pub face_part: Vec<u32>,
+    /// What the reader did otherwise than the file asks for, one sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// How a mesh is completed where its file is silent.
@@ -38,12 +59,19 @@ pub struct MeshOptions {
     pub albedo: [f32; 3],
     /// Ignore the file's normals and compute all of them.
     pub recompute_normals: bool,
+    /// Which faces are a surface on both sides.
+    pub two_sided: TwoSided,
 }
 
 impl Default for MeshOptions {
-    /// Creases at 75 degrees, albedo 0.8, the file's own normals.
+    /// Creases at 75 degrees, albedo 0.8, the file's own normals, two-sided where the file says so.
     fn default() -> Self {
-        Self { crease_angle: 75_f32.to_radians(), albedo: [0.8; 3], recompute_normals: false }
+        Self {
+            crease_angle: 75_f32.to_radians(),
+            albedo: [0.8; 3],
+            recompute_normals: false,
+            two_sided: TwoSided::default(),
+        }
     }
 }
 
@@ -64,6 +92,10 @@ impl MeshOptions {
 ///
 /// Vertices are those of the source in its order, without the ones that no face uses; a vertex on a crease is followed by
 /// copies at the end, one for each further smooth patch that meets there. Coincident vertices are welded only for computing normals.
+///
+/// A two-sided face has a *twin*: the same face seen from behind, with vertices of its own whose normals point the other way, so that each
+/// side has its own transfer. Faces come in the order of the source, but those with a twin after those without, and then the twins in
+/// the order of their originals; the vertices of twins come last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     positions: Vec<[f64; 3]>,
@@ -71,6 +103,20 @@ pub struct Mesh {
     albedo: Vec<[f32; 3]>,
     uvs: Option<Vec<[f32; 2]>>,
     triangles: Vec<[u32; 3]>,
+    materials: Vec<SurfaceMaterial>,
+    /// `[T]`, or empty if no face has a material.
+    face_material: Vec<u32>,
+    /// `[V]` or empty.
+    texture_uvs: Vec<[f32; 2]>,
+    /// `[V]` or empty.
+    tints: Vec<[f32; 3]>,
+    parts: Vec<String>,
+    /// `[T]` or empty.
+    face_part: Vec<u32>,
+    /// How many faces have a twin.
+    twin_count: usize,
+    /// Whether the albedo of the vertices holds instead of textures.
+    overrides_textures: bool,
 }
 
 /// What cleaning a mesh did.
@@ -88,6 +134,12 @@ pub struct MeshReport {
     pub vertices_split: usize,
     /// Vertices whose normal was computed.
     pub normals_computed: usize,
+    /// Two-sided faces that got a twin.
+    pub faces_twinned: usize,
+    /// Two-sided faces that need no twin because no light gets to their back; see [`TwoSided::AsFile`].
+    pub faces_enclosed: usize,
+    /// What was done otherwise than the file asks for: [`MeshSource::warnings`].
+    pub warnings: Vec<String>,
 }
 
 impl MeshReport {
@@ -106,7 +158,8 @@ impl Mesh {
     pub fn new(mut source: MeshSource, options: &MeshOptions) -> Result<(Self, MeshReport), Error> {
         options.validate()?;
         clean::check_shapes(&source)?;
-        let mut report = MeshReport::default();
+        let warnings = std::mem::take(&mut source.warnings);
+        let mut report = MeshReport { warnings, ..MeshReport::default() };
         clean::drop_bad_faces(&mut source, &mut report)?;
         clean::drop_unused_vertices(&mut source, &mut report);
         if options.recompute_normals {
@@ -114,12 +167,22 @@ impl Mesh {
         }
         normals::complete(&mut source, options.crease_angle, &mut report);
         clean::complete_albedo(&mut source.albedo, source.positions.len(), options.albedo);
+        clean::limit_tints(&mut source.tints);
+        twins::add(&mut source, options.two_sided, &mut report)?;
         let mesh = Self {
             positions: source.positions,
             normals: source.normals,
             albedo: source.albedo,
             uvs: (!source.uvs.is_empty()).then_some(source.uvs),
             triangles: source.triangles,
+            materials: source.materials,
+            face_material: source.face_material,
+            texture_uvs: source.texture_uvs,
+            tints: source.tints,
+            parts: source.parts,
+            face_part: source.face_part,
+            twin_count: report.faces_twinned,
+            overrides_textures: false,
         };
         Ok((mesh, report))
     }
@@ -167,26 +230,14 @@ impl Mesh {
         bounds
     }
 
-    /// SHA-256 of all that is in the mesh, in hexadecimal.
-    #[cfg(feature = "trace")]
-    pub(crate) fn content_hash(&self) -> String {
-        let Self { positions, normals, albedo, uvs, triangles } = self;
-        let mut content = Content::default();
-        content.array(positions.as_flattened(), f64::to_le_bytes);
-        content.array(normals.as_flattened(), f32::to_le_bytes);
-        content.array(albedo.as_flattened(), f32::to_le_bytes);
-        content.array(uvs.as_deref().unwrap_or_default().as_flattened(), f32::to_le_bytes);
-        content.array(triangles.as_flattened(), u32::to_le_bytes);
-        content.finish()
-    }
-
-    /// Sets one albedo for the whole mesh.
+    /// Sets one albedo for the whole mesh, in place of colours and textures; holes stay.
     ///
     /// # Errors
     /// If a channel is outside 0 to 1.
     pub fn set_albedo(&mut self, albedo: [f32; 3]) -> Result<(), Error> {
         MeshOptions { albedo, ..MeshOptions::default() }.validate()?;
         self.albedo.fill(albedo);
+        self.overrides_textures = true;
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::links::DisjointSets;
 use super::{MeshReport, MeshSource, corners, unit_vector, weld_positions};
 
 /// One corner of a face: `3 * face + k`.
@@ -39,7 +40,7 @@ fn assign(source: &mut MeshSource, missing: &[bool], patches: &SmoothPatches, re
         let vertex = *vertex_of.entry((original, patch)).or_insert_with(|| {
             if std::mem::replace(&mut is_taken[original as usize], true) {
                 report.vertices_split += 1;
-                copy_vertex(source, original)
+                source.copy_vertex(original)
             } else {
                 original
             }
@@ -47,20 +48,6 @@ fn assign(source: &mut MeshSource, missing: &[bool], patches: &SmoothPatches, re
         source.normals[vertex as usize] = patches.normals[patch];
         source.triangles[corner / 3][corner % 3] = vertex;
     }
-}
-
-fn copy_vertex(source: &mut MeshSource, original: u32) -> u32 {
-    let original = original as usize;
-    let copy = source.positions.len();
-    source.positions.push(source.positions[original]);
-    source.normals.push([0.0; 3]);
-    if !source.uvs.is_empty() {
-        source.uvs.push(source.uvs[original]);
-    }
-    if !source.albedo.is_empty() {
-        source.albedo.push(source.albedo[original]);
-    }
-    u32::try_from(copy).expect("fewer vertices than u32::MAX: every corner adds at most one")
 }
 
 /// The corners at each position, grouped so that two are together if smooth edges lead from one face to the other.
@@ -131,29 +118,5 @@ fn link_across_edges(
             }
         }
         edges.entry((end(corner), end(next(corner)))).or_default().push(corner);
-    }
-}
-
-/// Sets of numbers that can be joined (union-find with path halving).
-struct DisjointSets {
-    parent: Vec<usize>,
-}
-
-impl DisjointSets {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count).collect() }
-    }
-
-    fn root(&mut self, mut item: usize) -> usize {
-        while self.parent[item] != item {
-            self.parent[item] = self.parent[self.parent[item]];
-            item = self.parent[item];
-        }
-        item
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
     }
 }

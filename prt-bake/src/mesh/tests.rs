@@ -2,6 +2,8 @@
 
 use super::*;
 
+mod materials;
+
 /// A cube with eight shared vertices and quads split in two, without normals.
 fn cube() -> MeshSource {
     let positions = (0..8).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)]).collect();

@@ -39,8 +39,8 @@ pub(super) struct Occluded {
 
 impl Occluded {
     /// A record of where light may come from, weighted.
-    pub(super) fn record(&self, weight: f64) -> HitRecord {
-        HitRecord::new(self.triangle, self.barycentric, weight as f32)
+    pub(super) fn record(&self, weight: f64, albedo: [f32; 3]) -> HitRecord {
+        HitRecord::new(self.triangle, self.barycentric, weight as f32, albedo)
     }
 }
 
@@ -99,8 +99,8 @@ impl Found {
     }
 
     /// Where diffuse light may come from after a reflection.
-    pub(super) fn records(&self) -> Vec<HitRecord> {
-        self.occluded.iter().map(|ray| ray.record(self.weight(ray))).collect()
+    pub(super) fn records(&self, albedo: [f32; 3]) -> Vec<HitRecord> {
+        self.occluded.iter().map(|ray| ray.record(self.weight(ray), albedo)).collect()
     }
 }
 

@@ -6,7 +6,7 @@ use sh_core::{Order, Quadrature};
 use super::direct::{DirectPass, Found};
 use super::opaque::Opaque;
 use super::{PatchReport, PatchTransfer};
-use crate::diffuse::add_scaled;
+use crate::diffuse::{HitRecord, add_scaled};
 use crate::{Error, Pass, Progress, TransferVectors};
 
 /// The responses, ready to be evaluated and expanded.
@@ -20,10 +20,10 @@ struct Responses {
     clipped: Vec<Vec<f64>>,
 }
 
-/// What diffuse light the texels send out, `[H·W, C, n²]`, and the triangles between them.
+/// The diffuse transfer of the texels, and the triangles between them.
 #[derive(Debug)]
 struct Reflected {
-    outgoing: TransferVectors,
+    total: TransferVectors,
     triangles: Vec<[u32; 3]>,
 }
 
@@ -117,7 +117,7 @@ impl Glossy<'_> {
                     add_scaled(channel, pass.basis(ray.direction), -solid_angle * value);
                 }
                 if let Some(reflected) = reflected {
-                    reflected.add(ray.record(1.0), solid_angle * value, row);
+                    reflected.add(&ray.record(1.0, self.opaque.options.albedo), solid_angle * value, row);
                 }
             }
         }
@@ -130,15 +130,7 @@ impl Reflected {
     fn new(opaque: &Opaque, progress: &dyn Progress, report: &mut PatchReport) -> Result<Option<Self>, Error> {
         let Some(bounces) = opaque.options.bounces.checked_sub(1) else { return Ok(None) };
         let total = opaque.diffuse(bounces, progress, report)?;
-        let channels = opaque.options.channel_count();
-        let mut outgoing = TransferVectors::zero(opaque.field.texel_count(), channels, opaque.options.order);
-        let rows = outgoing.values.chunks_exact_mut(opaque.options.order.coeff_count());
-        for (number, row) in rows.enumerate() {
-            let (texel, channel) = (number / channels, number % channels);
-            let albedo = opaque.options.albedo[channel];
-            row.iter_mut().zip(total.vector(texel, channel)).for_each(|(out, &value)| *out = albedo * value);
-        }
-        Ok(Some(Self { outgoing, triangles: opaque.field.tile_triangles() }))
+        Ok(Some(Self { total, triangles: opaque.field.tile_triangles() }))
     }
 }
 
@@ -166,10 +158,13 @@ impl Responses {
 
 impl Reflected {
     /// Adds `weight` times what comes from a point of the surface to `sum`, `[C, n²]`.
-    fn add(&self, hit: crate::diffuse::HitRecord, weight: f64, sum: &mut [f64]) {
+    fn add(&self, hit: &HitRecord, weight: f64, sum: &mut [f64]) {
         let triangle = self.triangles[hit.triangle() as usize];
+        let coeff_count = self.total.order.coeff_count();
         for (texel, corner) in triangle.into_iter().zip(hit.corner_weights()) {
-            add_scaled(sum, &self.outgoing.values[texel as usize * sum.len()..][..sum.len()], weight * corner);
+            for ((channel, sum), reflected) in sum.chunks_exact_mut(coeff_count).enumerate().zip(hit.weights()) {
+                add_scaled(sum, self.total.vector(texel as usize, channel), weight * corner * f64::from(reflected));
+            }
         }
     }
 }

@@ -49,11 +49,11 @@ impl<'a> Opaque<'a> {
         let journal = Journal::in_memory();
         self.trace(bounces > 0, &journal, progress, report)?;
         let triangles = self.field.tile_triangles();
-        let albedo = vec![self.options.albedo; self.field.texel_count()];
         let reflector = Reflector {
             journal: &journal,
             triangles: &triangles,
-            albedo: &albedo,
+            vertex_count: self.field.texel_count(),
+            channels: if bounces > 0 { self.options.channel_count() } else { 1 },
             order: self.options.order,
             bounces,
             threshold: None,
@@ -81,7 +81,7 @@ impl<'a> Opaque<'a> {
             let (mut rows, mut hits, mut stats) = (Vec::new(), HitLists::default(), Vec::new());
             for texel in texels.clone() {
                 rows.extend(pass.diffuse_vector(texel, found).into_iter().map(|sum| sum as f32));
-                hits.push(if keep_hits { found.records() } else { Vec::new() });
+                hits.push(if keep_hits { found.records(self.options.albedo) } else { Vec::new() });
                 stats.push(found.stats());
             }
             journal.append_hits(block, &hits)?;

@@ -1,6 +1,8 @@
 //! Rays against a mesh. The only file that knows the crate that builds the tree.
 
+mod mask;
 mod packet;
+mod twins;
 
 use glam::{DVec3, Vec3};
 use obvhs::bvh2::builder::build_bvh2_from_tris;
@@ -9,7 +11,9 @@ use obvhs::{BvhBuildParams, bvh2::Bvh2};
 
 use crate::Mesh;
 use crate::sampling::DirectionSet;
+use mask::Masks;
 pub(crate) use packet::{Hits, Packet, Stack};
+use twins::Twins;
 
 /// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
 /// box test for a ray of length 1 in `f32` (about 3e-7), so that a ray that touches a triangle never misses its box.
@@ -25,6 +29,8 @@ pub struct Scene {
     triangles: Vec<[Vec3; 3]>,
     /// For each of `triangles` its number in the mesh.
     numbers: Vec<u32>,
+    masks: Masks,
+    twins: Twins,
     center: DVec3,
     scale: f64,
 }
@@ -50,7 +56,8 @@ pub struct Hit {
     pub barycentric: [f32; 2],
     /// Distance, scene units.
     pub distance: f64,
-    /// Whether the ray comes from the side from which the corners run counter-clockwise.
+    /// Whether the ray comes from the side from which the corners run counter-clockwise. A face with a twin is never hit from behind: then
+    /// it is the twin that is hit, from its front.
     pub is_front: bool,
 }
 
@@ -60,11 +67,13 @@ impl Scene {
     pub fn new(mesh: &Mesh) -> Self {
         let (center, scale) = unit_cube(mesh);
         let local = |&vertex: &u32| ((DVec3::from_array(mesh.positions()[vertex as usize]) - center) * scale).as_vec3();
-        let given: Vec<[Vec3; 3]> = mesh.triangles().iter().map(|[a, b, c]| [local(a), local(b), local(c)]).collect();
+        let given: Vec<[Vec3; 3]> =
+            mesh.original_triangles().iter().map(|[a, b, c]| [local(a), local(b), local(c)]).collect();
         let tree = build_tree(&given);
         let triangles = tree.primitive_indices.iter().map(|&number| given[number as usize]).collect();
         let nodes = tree.nodes.iter().map(padded_node).collect();
-        Self { nodes, triangles, numbers: tree.primitive_indices, center, scale }
+        let masks = Masks::new(mesh, &tree.primitive_indices);
+        Self { nodes, triangles, numbers: tree.primitive_indices, masks, twins: Twins::new(mesh), center, scale }
     }
 
     /// A point in the frame that is traced in, where the scene is 1 across.
@@ -74,7 +83,7 @@ impl Scene {
 
     /// Whether anything stands in the way, for each of `directions` (unit length) from `origin`, at any distance.
     ///
-    /// Both sides of a triangle occlude. A triangle in whose plane the origin lies does not. `occluded` is overwritten.
+    /// Both sides of a triangle occlude; rays pass through the holes of its material. A triangle in whose plane the origin lies does not. `occluded` is overwritten.
     ///
     /// # Panics
     /// If the slices differ in length.
@@ -124,25 +133,29 @@ impl Scene {
 
     /// Of the rays of `packet` whose bit is set in `rays`, those that meet anything.
     pub(crate) fn occluded_packet(&self, origin: Vec3, packet: &Packet, rays: u64, stack: &mut Stack) -> u64 {
-        packet::occluded(&self.nodes, &self.triangles, origin, packet, rays, stack)
+        packet::occluded(&self.nodes, &self.triangles, &self.masks, origin, packet, rays, stack)
     }
 
     /// The nearest hit of the rays of `packet` whose bit is set in `rays`.
     pub(crate) fn closest_packet(&self, origin: Vec3, packet: &Packet, rays: u64, hits: &mut Hits, stack: &mut Stack) {
-        packet::closest(&self.nodes, &self.triangles, origin, packet, rays, hits, stack);
+        packet::closest(&self.nodes, &self.triangles, &self.masks, origin, packet, rays, hits, stack);
     }
 
     /// What `closest_packet` found for one ray.
     pub(crate) fn hit(&self, hits: &Hits, lane: usize) -> Option<Hit> {
         let (slot, barycentric, distance, is_front) = hits.get(lane)?;
         let triangle = self.numbers[slot as usize];
-        Some(Hit { triangle, barycentric, distance: f64::from(distance) / self.scale, is_front })
+        let hit = Hit { triangle, barycentric, distance: f64::from(distance) / self.scale, is_front };
+        Some(self.twins.on_the_side_that_is_hit(hit))
     }
 
     /// Bytes held.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.triangles) + size_of_val(&*self.numbers)
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.triangles)
+            + size_of_val(&*self.numbers)
+            + self.masks.memory_bytes()
     }
 }
 

@@ -20,6 +20,7 @@ use glam::Vec3;
 use multiversion::multiversion;
 
 use super::Node;
+use super::mask::Masks;
 
 const LANES: usize = 8;
 const BLOCKS: usize = 8;
@@ -271,11 +272,23 @@ fn is_inside(weights: &[Lanes<f32>; 3], lane: usize, [a, b, c]: [f32; 3]) -> u32
     mask(weights[0][lane] >= a) & mask(weights[1][lane] >= b) & mask(weights[2][lane] >= c)
 }
 
+/// Leaves out of the rays that meet a triangle those that meet it in a hole.
+#[inline(never)]
+fn pass_through_holes(meets: &mut Lanes<u32>, weights: &[Lanes<f32>; 3], masks: &Masks, slot: usize) {
+    for lane in 0..LANES {
+        let weights = [weights[0][lane], weights[1][lane], weights[2][lane]];
+        if meets[lane] != 0 && !masks.is_opaque(slot, weights) {
+            meets[lane] = 0;
+        }
+    }
+}
+
 /// Of the `rays`, those that meet any triangle.
 #[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn occluded(
     nodes: &[Node],
     triangles: &[[Vec3; 3]],
+    masks: &Masks,
     origin: Vec3,
     packet: &Packet,
     rays: u64,
@@ -285,16 +298,23 @@ pub(super) fn occluded(
     let mut alive = alive_from_bits(rays);
     stack.start();
     while let Some((node, first)) = stack.next_leaf(nodes, origin, packet, &alive, &NO_LIMIT) {
-        let leaf = node.first as usize..(node.first + node.count) as usize;
-        for corners in &triangles[leaf] {
-            let Some(wedge) = Wedge::new(corners, origin) else { continue };
+        for slot in node.first as usize..(node.first + node.count) as usize {
+            let Some(wedge) = Wedge::new(&triangles[slot], origin) else { continue };
+            let may_have_holes = masks.may_have_holes(slot);
             for block in first..BLOCKS {
                 if !any(&alive[block]) {
                     continue;
                 }
                 let weights = wedge.weights(&packet.direction[block]);
+                let mut meets = alive[block];
                 for lane in 0..LANES {
-                    alive[block][lane] &= !is_inside(&weights, lane, wedge.thresholds);
+                    meets[lane] &= is_inside(&weights, lane, wedge.thresholds);
+                }
+                if may_have_holes {
+                    pass_through_holes(&mut meets, &weights, masks, slot);
+                }
+                for lane in 0..LANES {
+                    alive[block][lane] &= !meets[lane];
                 }
             }
         }
@@ -381,7 +401,15 @@ impl Hits {
     }
 
     #[inline(always)]
-    fn keep_nearer(&mut self, block: usize, alive: &Lanes<u32>, weights: &[Lanes<f32>; 3], wedge: &Wedge, slot: u32) {
+    fn keep_nearer(
+        &mut self,
+        block: usize,
+        alive: &Lanes<u32>,
+        weights: &[Lanes<f32>; 3],
+        wedge: &Wedge,
+        slot: u32,
+        masks: &Masks,
+    ) {
         let (mut sum, mut is_nearer) = ([0.0; LANES], [0; LANES]);
         for lane in 0..LANES {
             sum[lane] = weights[0][lane] + weights[1][lane] + weights[2][lane];
@@ -391,6 +419,9 @@ impl Hits {
         }
         if !any(&is_nearer) {
             return;
+        }
+        if masks.may_have_holes(slot as usize) {
+            pass_through_holes(&mut is_nearer, weights, masks, slot as usize);
         }
         for lane in 0..LANES {
             if is_nearer[lane] != 0 {
@@ -409,6 +440,7 @@ impl Hits {
 pub(super) fn closest(
     nodes: &[Node],
     triangles: &[[Vec3; 3]],
+    masks: &Masks,
     origin: Vec3,
     packet: &Packet,
     rays: u64,
@@ -426,7 +458,7 @@ pub(super) fn closest(
                     continue;
                 }
                 let weights = wedge.weights(&packet.direction[block]);
-                hits.keep_nearer(block, &alive[block], &weights, &wedge, slot);
+                hits.keep_nearer(block, &alive[block], &weights, &wedge, slot, masks);
             }
         }
     }

@@ -19,7 +19,7 @@ use crate::{
 /// interpolated, and rays start outside of the face, above it where the smooth normals make it bulge, so that the edges of a coarse mesh do
 /// not show in its own shadow. Texels that a bilinear lookup on a face can read but whose
 /// centre lies outside of the chart hold the transfer of the face's nearest point. Where faces overlap, the one with the lowest number is
-/// baked. Faces may be mirrored. Where faces leave 0 to 1 the atlas wraps round, as textures do.
+/// baked; of a two-sided face its front is. Faces may be mirrored. Where faces leave 0 to 1 the atlas wraps round, as textures do.
 ///
 /// Shadowed transfer is that of [`bake_diffuse`] at these points. With `b` bounces the vertices are baked first, with `b − 1` of them, and
 /// each texel gathers from its own hits what the vertices' transfer sends there (final gathering): `T(p) = T_direct(p) + Σ w ρ(q) T(q)`.
@@ -58,8 +58,7 @@ pub fn bake_texels(
 
 /// Colour is carried only if it is reflected.
 fn channel_count(mesh: &Mesh, options: &BakeOptions) -> usize {
-    let is_grey = options.bounces == 0 || mesh.albedo().iter().all(|[r, g, b]| r == g && g == b);
-    if is_grey { 1 } else { 3 }
+    if options.bounces > 0 { mesh.channel_count() } else { 1 }
 }
 
 /// What the vertices send out, if texels are to gather it: their transfer with one bounce less than the texels get.
@@ -115,7 +114,7 @@ fn trace(
         validity: ValidityTest::new(&scene, layout.mesh),
         reflection: vertices.map(|baked| {
             let arriving = baked.transfer.with_channels(atlas.transfer.channels);
-            Reflection::new(layout.mesh.triangles(), layout.mesh.albedo(), arriving)
+            Reflection::new(layout.mesh.triangles(), arriving)
         }),
     };
     report.build += start.elapsed();

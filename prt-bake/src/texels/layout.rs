@@ -55,7 +55,7 @@ impl<'a> Layout<'a> {
     }
 
     pub(super) fn face_count(&self) -> usize {
-        self.mesh.triangles().len()
+        self.mesh.original_triangles().len()
     }
 
     pub(super) fn uv(&self, vertex: u32) -> [f32; 2] {

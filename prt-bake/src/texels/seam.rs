@@ -47,7 +47,7 @@ pub(super) fn check(atlas: &TexelTransfer, layout: &Layout) -> SeamCheck {
 fn edges(layout: &Layout) -> BTreeMap<Side, Vec<Side>> {
     let welded = weld_positions(layout.mesh.positions());
     let mut edges = BTreeMap::<Side, Vec<Side>>::new();
-    for &triangle in layout.mesh.triangles() {
+    for &triangle in layout.mesh.original_triangles() {
         for k in 0..3 {
             let mut side = [triangle[k], triangle[(k + 1) % 3]];
             side.sort_by_key(|&vertex| welded[vertex as usize]);

@@ -95,6 +95,7 @@ impl TexelBake<'_> {
 
     fn direct<'b>(&'b self, points: &'b Points) -> DirectPass<'b> {
         DirectPass {
+            mesh: self.layout.mesh,
             scene: self.scene,
             directions: self.directions,
             normals: &points.normals,

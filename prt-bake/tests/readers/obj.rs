@@ -1,7 +1,8 @@
 //! Wavefront OBJ.
 
-use prt_bake::load_mesh;
+use prt_bake::{SurfaceMaterial, load_mesh};
 
+use crate::gltf::checker_png;
 use crate::scratch::{Scratch, assert_near, assert_refused, mesh, srgb};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -89,6 +90,41 @@ fn material_libraries() {
     assert_eq!(mesh.albedo[..3], [[0.5, 0.25, 0.0]; 3]);
     assert_eq!(mesh.albedo[3..6], [[1.0; 3]; 3], "Kd is clamped");
     assert!(mesh.albedo[6..].iter().all(|albedo| albedo[0].is_nan()));
+    assert_eq!(mesh.face_material, [0, 1, SurfaceMaterial::NONE]);
+    assert!(mesh.materials[0].texture.is_none() && mesh.warnings.len() == 1, "{:?}", mesh.warnings);
+    assert!(mesh.warnings[0].contains("red paint") && mesh.warnings[0].contains("x.png"), "{:?}", mesh.warnings);
+}
+
+#[test]
+fn textures_of_colour_and_of_opacity() {
+    let scratch = Scratch::new();
+    scratch.write("checker.png", checker_png());
+    let library =
+        "newmtl tiles\nKd 0.5 1 1\nmap_Kd -s 2 1 checker.png\nnewmtl net\nmap_Kd checker.png\nmap_d checker.png\n";
+    scratch.write("my.mtl", library);
+    // The lower left quarter of the image is blue: v runs up.
+    let corners = "vt 0.125 0.25\nvt 0.375 0.25\nvt 0.375 0.75\nf 1/1 2/2 3/3\n";
+    let text = format!("mtllib my.mtl\n{SQUARE}usemtl tiles\n{corners}usemtl net\nf 1/1 3/2 4/3\n");
+    let source = load_mesh(&scratch.write("test.obj", text)).unwrap();
+    let gray = srgb(128.0 / 255.0);
+    let tiles = [0.0, 0.0, 1.0, 0.5 * gray, gray, gray, 0.0, 1.0, 0.0];
+    assert_near(source.albedo[..3].as_flattened(), &tiles, 1e-6);
+    let net = &source.materials[1];
+    // Opacity is the red of the image: 1 above, 0 and one half below.
+    assert_eq!((net.alpha_cutoff, source.materials[0].alpha_cutoff), (Some(0.5), None));
+    let there = [[0.25, 0.75], [0.75, 0.75], [0.25, 0.25], [0.75, 0.25]].map(|uv| net.is_there(uv));
+    assert_eq!(there, [true, false, false, true]);
+    assert!(source.warnings.is_empty() && source.parts.is_empty());
+}
+
+#[test]
+fn objects_and_groups_are_parts() {
+    let text = format!(
+        "{SQUARE}f 1 2 3\no car\ng wheel\nf 1 2 3 4\ng\nf 2 3 4\no house\ng empty\ng wheel\nf 1 2 4\no car\nf 1 3 4\n"
+    );
+    let source = mesh("obj", text).unwrap();
+    assert_eq!(source.parts, ["", "car/wheel", "car", "house/wheel"]);
+    assert_eq!(source.face_part, [0, 1, 1, 2, 3, 2]);
 }
 
 #[test]

@@ -5,8 +5,8 @@ use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessor::Accessor;
-use super::base_color::BaseColor;
 use super::document::Document;
+use crate::SurfaceMaterial;
 use crate::input::Fault;
 
 /// The arrays of a primitive, each as long as the positions.
@@ -82,6 +82,10 @@ impl<'a> Attributes<'a> {
         self.uvs.is_some()
     }
 
+    pub(super) fn has_texture_uvs(&self) -> bool {
+        self.texture_uvs.is_some()
+    }
+
     pub(super) fn has_colors(&self) -> bool {
         self.colors.is_some()
     }
@@ -118,10 +122,24 @@ impl<'a> Attributes<'a> {
         self.uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get(i).map(|value| value as f32))
     }
 
+    /// The coordinate of the base colour's texture, zero where there is none.
+    pub(super) fn texture_uv(&self, i: usize) -> [f32; 2] {
+        self.texture_uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get(i).map(|value| value as f32))
+    }
+
+    /// `COLOR_0`, white where there is none.
+    pub(super) fn tint(&self, i: usize) -> [f32; 3] {
+        self.colors.as_ref().map_or([1.0; 3], |colors| colors.get(i).map(|value| value as f32))
+    }
+
     /// Base colour × vertex colour, NaN where there is neither.
-    pub(super) fn albedo(&self, i: usize, material: Option<&BaseColor>) -> [f32; 3] {
+    pub(super) fn albedo(&self, i: usize, material: Option<&SurfaceMaterial>) -> [f32; 3] {
         let color: Option<[f64; 3]> = self.colors.as_ref().map(|colors| colors.get(i));
-        let base = material.map(|material| material.at(self.texture_uvs.as_ref().map(|uvs| uvs.get(i))));
+        let base = material.map(|material| {
+            let uv = self.texture_uvs.as_ref().map(|uvs| uvs.get(i));
+            let texel = material.texture.as_ref().zip(uv).map_or([1.0; 3], |(map, uv)| map.color(uv));
+            [0, 1, 2].map(|channel| f64::from(material.base_color[channel]) * texel[channel])
+        });
         let albedo = match (base, color) {
             (Some(base), Some(color)) => [0, 1, 2].map(|channel| base[channel] * color[channel]),
             (Some(only), None) | (None, Some(only)) => only,

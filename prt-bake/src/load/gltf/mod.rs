@@ -43,6 +43,7 @@ fn add_node(document: &Document<'_>, hierarchy: &Hierarchy, index: usize, scene:
     let mesh = document.get(mesh, "mesh")?;
     let rigid = Placement::Rigid(hierarchy.world(index));
     let skin = node.skin.map(|skin| skin::joint_matrices(document, hierarchy, skin)).transpose()?;
+    scene.start_part(node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {index}")));
     let weights = node.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or_default();
     for primitive in &mesh.primitives {
         match &skin {

@@ -6,8 +6,9 @@ use gltf::json::validation::Checked;
 
 use super::accessor::Accessor;
 use super::attributes::Attributes;
-use super::base_color::{BaseColor, Textures};
+use super::base_color::{self, Materials};
 use super::document::Document;
+use crate::SurfaceMaterial;
 use crate::input::Fault;
 use crate::mesh::MeshSource;
 
@@ -25,11 +26,15 @@ pub(super) enum Placement<'a> {
 /// The mesh that all primitives are merged into.
 pub(super) struct Scene<'a> {
     document: &'a Document<'a>,
-    textures: Textures,
+    materials: Materials,
     mesh: MeshSource,
     has_normals: bool,
     has_uvs: bool,
     has_albedo: bool,
+    /// Whether a texture is looked up elsewhere than at `TEXCOORD_0`.
+    has_texture_uvs: bool,
+    /// Whether a texture is multiplied by vertex colours.
+    has_tints: bool,
     /// Most vertices, and most triangles: nodes may repeat a mesh, so the file's size alone bounds neither.
     limit: usize,
 }
@@ -45,11 +50,13 @@ impl<'a> Scene<'a> {
     pub(super) fn new(document: &'a Document<'a>) -> Self {
         Self {
             document,
-            textures: Textures::new(),
+            materials: Materials::default(),
             mesh: MeshSource::default(),
             has_normals: false,
             has_uvs: false,
             has_albedo: false,
+            has_texture_uvs: false,
+            has_tints: false,
             limit: MIN_LIMIT + document.data_bytes(),
         }
     }
@@ -64,20 +71,51 @@ impl<'a> Scene<'a> {
         placement: &Placement<'_>,
     ) -> Result<(), Fault> {
         let Some(topology) = Topology::of(primitive)? else { return Ok(()) };
-        let material = match primitive.material {
-            Some(material) => Some(BaseColor::load(self.document, material, &mut self.textures)?),
+        let uv_set = match primitive.material {
+            Some(material) => base_color::uv_set(self.document, material)?,
             None => None,
         };
-        let uv_set = material.as_ref().and_then(BaseColor::uv_set);
         let attributes = Attributes::new(self.document, primitive, uv_set, weights)?;
+        let material = match primitive.material {
+            Some(index) => self.materials.number(self.document, index, attributes.has_texture_uvs())?,
+            None => SurfaceMaterial::NONE,
+        };
+        if attributes.has_texture_uvs() {
+            self.has_texture_uvs |= uv_set != Some(0);
+            self.has_tints |= attributes.has_colors();
+        }
         let first = self.mesh.positions.len();
         self.check_limit(attributes.vertex_count())?;
-        let mirrored = self.add_vertices(&attributes, material.as_ref(), placement)?;
-        self.add_triangles(primitive, topology, first as u32, &mirrored)
+        let mirrored = self.add_vertices(&attributes, material, placement)?;
+        self.add_triangles(primitive, topology, first as u32, &mirrored)?;
+        self.mesh.face_material.resize(self.mesh.triangles.len(), material);
+        Ok(())
+    }
+
+    /// The faces that are added from now on belong to a part of this name.
+    pub(super) fn start_part(&mut self, name: String) {
+        self.finish_part();
+        self.mesh.parts.push(name);
+    }
+
+    fn finish_part(&mut self) {
+        let part = self.mesh.parts.len().saturating_sub(1) as u32;
+        self.mesh.face_part.resize(self.mesh.triangles.len(), part);
     }
 
     /// The merged mesh, without arrays that no primitive filled.
     pub(super) fn finish(mut self) -> MeshSource {
+        self.finish_part();
+        (self.mesh.materials, self.mesh.warnings) = self.materials.into_parts();
+        if self.mesh.materials.is_empty() {
+            self.mesh.face_material = Vec::new();
+        }
+        if !self.has_texture_uvs {
+            self.mesh.texture_uvs = Vec::new();
+        }
+        if !self.has_tints {
+            self.mesh.tints = Vec::new();
+        }
         if !self.has_normals {
             self.mesh.normals = Vec::new();
         }
@@ -104,9 +142,10 @@ impl<'a> Scene<'a> {
     fn add_vertices(
         &mut self,
         attributes: &Attributes<'_>,
-        material: Option<&BaseColor>,
+        material: u32,
         placement: &Placement<'_>,
     ) -> Result<Vec<bool>, Fault> {
+        let material = (material != SurfaceMaterial::NONE).then(|| self.materials.get(material));
         self.has_normals |= attributes.has_normals();
         self.has_uvs |= attributes.has_uvs();
         self.has_albedo |= material.is_some() || attributes.has_colors();
@@ -121,6 +160,8 @@ impl<'a> Scene<'a> {
                 self.mesh.positions.push(world_from_local.transform_point3(attributes.position(i)).to_array());
                 self.mesh.normals.push(transform_normal(linear, mirrored, attributes.normal(i)));
                 self.mesh.uvs.push(attributes.uv(i));
+                self.mesh.texture_uvs.push(attributes.texture_uv(i));
+                self.mesh.tints.push(attributes.tint(i));
                 self.mesh.albedo.push(attributes.albedo(i, material));
                 Ok(mirrored)
             })

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::statements::{Corner, NONE, Statements};
+use super::statements::{Corner, Face, NONE, Statements};
 use crate::image::srgb_to_linear;
 use crate::input::Fault;
 use crate::load::polygon::Polygons;
@@ -68,13 +68,23 @@ impl Vertices {
         }
         let positions: Vec<_> =
             self.keys.iter().map(|(corner, _)| statements.positions[corner.position as usize]).collect();
-        let triangles = polygons.triangulate(&positions)?;
+        let (triangles, faces) = polygons.triangulate_numbered(&positions)?;
+        let of_faces = |is_given: bool, value: fn(&Face) -> u32| match is_given {
+            true => faces.iter().map(|&face| value(&statements.faces[face as usize])).collect(),
+            false => Vec::new(),
+        };
         Ok(MeshSource {
+            face_material: of_faces(!statements.materials.is_empty(), |face| face.material),
+            face_part: of_faces(!statements.parts.is_empty(), |face| face.part),
+            materials: statements.materials.clone(),
+            parts: statements.parts.clone(),
+            warnings: statements.warnings.clone(),
             normals: self.gather(&statements.normals, |(corner, _)| corner.normal, [0.0; 3]),
             uvs: self.gather(&statements.uvs, |(corner, _)| corner.uv, [0.0; 2]),
             albedo: self.albedo(statements),
             positions,
             triangles,
+            ..MeshSource::default()
         })
     }
 
@@ -95,8 +105,12 @@ impl Vertices {
         let vertex_color = |position: u32| colors.get(position as usize).copied().unwrap_or([f32::NAN; 3]);
         self.keys
             .iter()
-            .map(|&(corner, material)| {
-                statements.materials.get(material as usize).copied().unwrap_or_else(|| vertex_color(corner.position))
+            .map(|&(corner, material)| match statements.materials.get(material as usize) {
+                Some(material) => match statements.uvs.get(corner.uv as usize) {
+                    Some(&uv) => material.color(uv),
+                    None => [0, 1, 2].map(|channel| material.base_color[channel]),
+                },
+                None => vertex_color(corner.position),
             })
             .collect()
     }

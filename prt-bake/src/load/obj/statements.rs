@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::str::SplitAsciiWhitespace;
 
-use super::material;
+use super::material::{self, Library};
+use super::texture::Textures;
+use crate::SurfaceMaterial;
 use crate::input::Fault;
 use crate::load::text::{excerpt, number, numbers};
 
@@ -30,8 +32,12 @@ pub(super) struct Statements {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) corners: Vec<Corner>,
     pub(super) faces: Vec<Face>,
-    /// Linear diffuse colour of each material that is used and known.
-    pub(super) materials: Vec<[f32; 3]>,
+    /// Each material that is used and known.
+    pub(super) materials: Vec<SurfaceMaterial>,
+    /// Names of objects and groups that have faces; empty if the file names none.
+    pub(super) parts: Vec<String>,
+    /// What is left out.
+    pub(super) warnings: Vec<String>,
 }
 
 /// A run of `Statements::corners`.
@@ -40,13 +46,14 @@ pub(super) struct Face {
     pub(super) corner_count: u32,
     /// Index into `Statements::materials` or [`NONE`].
     pub(super) material: u32,
+    /// Index into `Statements::parts`; meaningless if that is empty.
+    pub(super) part: u32,
     line: usize,
 }
 
 /// Reads all statements. Unknown ones are skipped.
 pub(super) fn read(text: &str, folder: &Path) -> Result<Statements, Fault> {
-    let mut reader =
-        Reader { folder, out: Statements::default(), library: HashMap::new(), used: HashMap::new(), material: NONE };
+    let mut reader = Reader::new(folder);
     let mut lines = text.lines().enumerate();
     while let Some((index, first)) = lines.next() {
         let mut line = Cow::Borrowed(first);
@@ -65,14 +72,36 @@ pub(super) fn read(text: &str, folder: &Path) -> Result<Statements, Fault> {
 struct Reader<'a> {
     folder: &'a Path,
     out: Statements,
-    /// Diffuse colours by name, from the libraries read so far.
-    library: HashMap<String, [f32; 3]>,
+    /// Materials by name, from the libraries read so far.
+    library: Library,
+    textures: Textures,
     /// Indices into `out.materials` by name.
     used: HashMap<String, u32>,
     material: u32,
+    object: String,
+    group: String,
+    /// Indices into `out.parts` by the names of object and group.
+    parts: HashMap<(String, String), u32>,
+    /// Of the object and group that faces belong to now, if one of these had a face already.
+    part: Option<u32>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
+    fn new(folder: &'a Path) -> Self {
+        Self {
+            folder,
+            out: Statements::default(),
+            library: Library::new(),
+            textures: Textures::default(),
+            used: HashMap::new(),
+            material: NONE,
+            object: String::new(),
+            group: String::new(),
+            parts: HashMap::new(),
+            part: None,
+        }
+    }
+
     fn statement(&mut self, line: &str, number: usize) -> Result<(), Fault> {
         // `#` begins a comment anywhere but in names of files and materials.
         let code = line.split('#').next().unwrap_or_default();
@@ -85,6 +114,14 @@ impl Reader<'_> {
             Some("mtllib") => material::read_libraries(argument(line), self.folder, &mut self.library),
             Some("usemtl") => {
                 self.use_material(argument(line));
+                Ok(())
+            }
+            Some("o") => {
+                (self.object, self.group, self.part) = (argument(line).to_owned(), String::new(), None);
+                Ok(())
+            }
+            Some("g") => {
+                (self.group, self.part) = (argument(line).to_owned(), None);
                 Ok(())
             }
             _ => Ok(()),
@@ -127,8 +164,24 @@ impl Reader<'_> {
             self.out.corners.push(corner);
         }
         let corner_count = (self.out.corners.len() - before) as u32;
-        self.out.faces.push(Face { corner_count, material: self.material, line });
+        let part = self.part();
+        self.out.faces.push(Face { corner_count, material: self.material, part, line });
         Ok(())
+    }
+
+    /// The part that a face belongs to now.
+    fn part(&mut self) -> u32 {
+        if let Some(part) = self.part {
+            return part;
+        }
+        let next = self.parts.len() as u32;
+        let part = *self.parts.entry((self.object.clone(), self.group.clone())).or_insert(next);
+        if part == next {
+            let separator = if self.object.is_empty() || self.group.is_empty() { "" } else { "/" };
+            self.out.parts.push(format!("{}{separator}{}", self.object, self.group));
+        }
+        self.part = Some(part);
+        part
     }
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
@@ -150,21 +203,26 @@ impl Reader<'_> {
     }
 
     fn use_material(&mut self, name: &str) {
-        let Some(&color) = self.library.get(name) else {
+        if let Some(&number) = self.used.get(name) {
+            self.material = number;
+            return;
+        }
+        let Some(described) = self.library.get(name).filter(|described| described.has_color()) else {
             self.material = NONE;
             return;
         };
-        let materials = &mut self.out.materials;
-        self.material = *self.used.entry(name.to_owned()).or_insert_with(|| {
-            materials.push(color);
-            (materials.len() - 1) as u32
-        });
+        self.material = self.out.materials.len() as u32;
+        self.out.materials.push(described.load(name, &mut self.textures, &mut self.out.warnings));
+        self.used.insert(name.to_owned(), self.material);
     }
 
     /// Checks the indices: a positive one may run ahead of its definition, so this waits for the end.
     fn finish(mut self) -> Result<Statements, Fault> {
         if !self.out.colors.is_empty() {
             self.out.colors.resize(self.out.positions.len(), [f32::NAN; 3]);
+        }
+        if self.out.parts.iter().all(String::is_empty) {
+            self.out.parts.clear();
         }
         let mut corners = self.out.corners.iter();
         for face in &self.out.faces {
