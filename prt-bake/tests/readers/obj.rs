@@ -1,6 +1,6 @@
 //! Wavefront OBJ.
 
-use prt_bake::{SurfaceMaterial, load_mesh};
+use prt_bake::{MeshSource, SurfaceMaterial, load_mesh};
 
 use crate::gltf::checker_png;
 use crate::scratch::{Scratch, assert_near, assert_refused, mesh, srgb};
@@ -54,7 +54,9 @@ fn what_writers_put_around_it() {
     let plain = mesh("obj", format!("{SQUARE}f 1 2 3 4\n")).unwrap();
     let odd = "\u{feff}# Käfer\r\no body\r\ng a b\r\ns off\r\nv 0 0 0 1.0\r\n\tv  1   0 0 # one\r\nv 1 1 \\\r\n 0\r\nv 0 1 0\r\n\
                l 1 2\r\np 1\r\ncstype bezier\r\nusemtl unknown\r\nf 1 2 \\\r\n3 \\\r\n4";
-    assert_eq!(mesh("OBJ", odd).unwrap(), plain);
+    let odd = mesh("OBJ", odd).unwrap();
+    assert_eq!((&odd.parts[..], &odd.face_part[..]), (&["body/a b".to_owned()][..], &[0, 0][..]));
+    assert_eq!(MeshSource { parts: Vec::new(), face_part: Vec::new(), ..odd }, plain);
 }
 
 #[test]
