@@ -94,6 +94,27 @@ fn charts_outside_wrap_round() {
 }
 
 #[test]
+fn a_face_across_the_edge_of_the_atlas_is_the_same_as_one_amid_it() {
+    let point = |[s, t]: [f64; 2]| (DVec3::new(s, t, 0.0), DVec3::new(s - 0.5, t - 0.5, 1.0).normalize());
+    let at = |shift: [f64; 2]| mesh(grid([1, 1], point, |st| [0, 1].map(|axis| 0.5 * st[axis] + shift[axis])));
+    let (amid, _) = bake(&at([0.25, 0.25]), &unshadowed(3), &texels(16, 16));
+    for (columns, rows) in [(4, 4), (8, 0), (0, 8), (8, 8)] {
+        let shift = [columns, rows].map(|texels: usize| 0.25 + texels as f64 / 16.0);
+        let (across, report) = bake(&at(shift), &unshadowed(3), &texels(16, 16));
+        assert_eq!(across.wraps, [columns, rows].map(|texels| texels > 4));
+        assert_eq!((report.texels_inside, report.texels_overlapping), (64, 0));
+        for texel in 0..256 {
+            let moved = (texel / 16 + rows) % 16 * 16 + (texel + columns) % 16;
+            assert_eq!(across.coverage[moved] == Coverage::Inside, amid.coverage[texel] == Coverage::Inside);
+            if amid.coverage[texel] == Coverage::Inside {
+                let [a, b] = [across.transfer.vector(moved, 0), amid.transfer.vector(texel, 0)];
+                assert!(relative_difference(a, b) < 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
 fn what_is_no_atlas_is_refused_in_one_sentence() {
     let plain = || square(2, 0.0, true, |st| st);
     assert!(refused(MeshSource { uvs: Vec::new(), ..plain() }).contains("no texture coordinates"));
