@@ -45,6 +45,11 @@ impl DirectPass<'_> {
     pub(crate) fn shadowed_vector(&self, scratch: &mut Scratch, vertex: usize, out: &mut [f32]) -> VertexStats {
         let normal = Vec3::from_array(self.normals[vertex]);
         let stats = self.trace(scratch, vertex);
+        if stats.occluded == stats.directions {
+            // Black, and not the error of the quadrature.
+            out.fill(0.0);
+            return stats;
+        }
         let order = self.directions.order;
         unshadowed_vector(order, self.normals[vertex], &mut scratch.vector);
         for ray in set_bits(&scratch.occluded) {
