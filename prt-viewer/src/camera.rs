@@ -126,8 +126,13 @@ pub(crate) struct Orbit {
 impl Orbit {
     /// Frames an object from one of its sides: as near as all points stay in the picture.
     pub(crate) fn framing(points: &[[f32; 3]], side: Side, up: Vec3, fov: f32, aspect: f32) -> Self {
+        Self::framing_from(points, side.angles(), up, fov, aspect)
+    }
+
+    /// Frames an object from the angles of [`yaw` about the up direction from the front towards the right, `pitch` above the horizon],
+    /// radians.
+    pub(crate) fn framing_from(points: &[[f32; 3]], [yaw, pitch]: [f32; 2], up: Vec3, fov: f32, aspect: f32) -> Self {
         let around = Sphere::around(points);
-        let [yaw, pitch] = side.angles();
         let mut orbit =
             Self { target: around.center, distance: 2.0 * around.radius, yaw, pitch, frame: Frame::new(up), fov };
         orbit.distance = MARGIN * orbit.fitting_distance(points, aspect).max(1e-3 * around.radius);
