@@ -26,7 +26,7 @@ pub(super) fn bars(title: &str, bars: &[Bar]) -> String {
     let mut rows = String::new();
     for (i, bar) in bars.iter().enumerate() {
         let y = i * ROW;
-        let share = if longest > 0.0 { (bar.value / longest).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if longest > 0.0 { (bar.value / longest).max(0.0).min(1.0) } else { 0.0 };
         // Writing to a string does not fail.
         let _ = write!(
             rows,
@@ -65,7 +65,7 @@ pub(super) fn columns(title: &str, histogram: &Histogram, label: impl Fn(f64) ->
     }
     let _ = write!(
         columns,
-        "<rect class=\"track\" x=\"0\" y=\"{PLOT}\" width=\"100%\" height=\"1\"/><text x=\"0\" y=\"{0}\">{1}</text>\
+        "<rect class=\"track\" x=\"0\" y=\"{PLOT}\" width=\"100%\" height=\"1\"/><text class=\"low\" x=\"0\" y=\"{0}\">{1}</text>\
          <text class=\"value\" x=\"100%\" y=\"{0}\">{2}</text>",
         PLOT + 16.0,
         escape(&label(histogram.edges[bins.start])),

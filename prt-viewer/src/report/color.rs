@@ -6,7 +6,7 @@ pub(super) const MISSING: [f32; 3] = [0.26, 0.27, 0.28];
 /// A sequence of colours, from few to many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ramp {
-    /// Black to white, proportional to the light.
+    /// Black to white, in even steps for the eye.
     Light,
     /// Blue over rose to yellow: attention rises with it. Every eighth of matplotlib's `plasma`, less its dark end.
     Heat,
@@ -22,7 +22,7 @@ impl Ramp {
     pub(super) fn color(self, share: f32) -> [f32; 3] {
         let share = share.clamp(0.0, 1.0);
         match self {
-            Self::Light => [share; 3],
+            Self::Light => [decode_srgb(share); 3],
             Self::Heat => between(&HEAT, share),
             Self::Work => between(&WORK, share),
         }

@@ -18,6 +18,8 @@ pub(super) struct Findings {
     /// Share of the light that arrives at each vertex under a constant light, `[V]`; what is reflected counts.
     pub(super) arriving: Vec<f32>,
     pub(super) arriving_histogram: Histogram,
+    /// What is drawn as occlusion.
+    pub(super) open: Open,
     /// Vertices inside geometry.
     pub(super) invalid: Vec<u32>,
     /// Of what was estimated; none if nothing was.
@@ -26,6 +28,33 @@ pub(super) struct Findings {
     pub(super) rays: Option<RaySpread>,
     /// Share of the squared length of all transfer vectors in each band.
     pub(super) band_energy: Vec<f64>,
+}
+
+/// How open each vertex is to light that comes from afar, `[V]`: the nearest to occlusion that a bake tells.
+#[derive(Debug)]
+pub(super) enum Open {
+    /// Share of a constant light that arrives, without what is reflected.
+    Direct(Vec<f32>),
+    /// Share of the directions above the vertex that meet nothing.
+    Directions(Vec<f32>),
+    /// Share of a constant light that arrives, with what is reflected.
+    Total(Vec<f32>),
+}
+
+impl Open {
+    fn of(baked: &BakedSurface, vertices: &[VertexStats]) -> Self {
+        match &baked.transfer_shadowed {
+            Some(shadowed) => Self::Direct(arriving(shadowed)),
+            None if baked.metadata.bounces == 0 => Self::Direct(arriving(&baked.transfer)),
+            None if vertices.is_empty() => Self::Total(arriving(&baked.transfer)),
+            None => Self::Directions(vertices.iter().map(|stats| 1.0 - stats.occluded_share()).collect()),
+        }
+    }
+
+    pub(super) fn shares(&self) -> &[f32] {
+        let (Self::Direct(shares) | Self::Directions(shares) | Self::Total(shares)) = self;
+        shares
+    }
 }
 
 /// Estimated relative error of the vertices.
@@ -64,7 +93,9 @@ impl Findings {
         let arriving = arriving(&baked.transfer);
         let is_invalid = |&vertex: &u32| vertices[vertex as usize].validity < INVALID_BELOW;
         Self {
-            arriving_histogram: Histogram::linear(arriving.iter().copied(), [0.0, 1.0], BINS),
+            // Rays leave a little more than all and less than nothing.
+            arriving_histogram: Histogram::linear(arriving.iter().map(|share| share.clamp(0.0, 1.0)), [0.0, 1.0], BINS),
+            open: Open::of(baked, vertices),
             arriving,
             invalid: (0..vertices.len() as u32).filter(is_invalid).collect(),
             error: ErrorSpread::of(vertices),

@@ -15,21 +15,21 @@ const RING_OPACITY: f32 = 0.55;
 /// Radius of a dot in pixels: many dots are small, so that they do not hide one another.
 fn radius(count: usize) -> f32 {
     match count {
-        0..=100 => 6.0,
+        0..=20 => 9.0,
+        21..=100 => 6.0,
         101..=1_000 => 4.0,
         1_001..=10_000 => 2.5,
         _ => 1.5,
     }
 }
 
-/// Marks vertices. Returns how many of the marks are in the picture.
-pub(super) fn mark(raster: &mut Raster, canvas: &Canvas<'_>, points: &[[f32; 3]]) -> usize {
+/// Marks vertices; those in sight last, over those that are hidden.
+pub(super) fn mark(raster: &mut Raster, canvas: &Canvas<'_>, points: &[[f32; 3]]) {
     let radius = radius(points.len());
     let placed = points.iter().filter_map(|&point| place(canvas, raster, point));
     let (seen, hidden): (Vec<_>, Vec<_>) = placed.partition(|&(_, is_seen)| is_seen);
     hidden.iter().for_each(|&(at, _)| ring(raster, at, radius));
     seen.iter().for_each(|&(at, _)| dot(raster, at, radius));
-    seen.len() + hidden.len()
 }
 
 /// The place of a point in pixels, and whether nothing hides it; none if it is outside of the picture.
@@ -85,6 +85,7 @@ fn disc(raster: &mut Raster, at: Vec2, reach: f32, layers: impl Fn(f32) -> [([u8
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::stage::Stage;
 
     #[test]
     fn dots_are_round_and_cut_at_the_edge() {
@@ -104,5 +105,22 @@ mod tests {
         ring(&mut raster, Vec2::new(50.0, 50.0), 6.0);
         assert_eq!(raster.pixels[50 * raster.width + 50], [0; 4]);
         assert!(raster.pixels[50 * raster.width + 55][3] > 100);
+    }
+    /// A square that faces the front, with points before and behind its middle.
+    #[test]
+    fn what_is_behind_the_surface_is_hidden() {
+        let geometry = prt_bake::Geometry {
+            positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..prt_bake::Geometry::default()
+        };
+        let stage = Stage::new(&geometry).expect("a square has an extent");
+        let canvas = Canvas::new(&stage, &stage.shots[0]);
+        let is_seen = |z| place(&canvas, &Raster::empty(), [0.0, 0.0, z]).map(|(_, is_seen)| is_seen);
+        assert_eq!([0.2, 0.0, -0.2].map(is_seen), [Some(true), Some(true), Some(false)]);
+        assert!(place(&canvas, &Raster::empty(), [9.0, 0.0, 0.0]).is_none(), "outside of the picture");
+        let mut raster = Raster::empty();
+        mark(&mut raster, &canvas, &[[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
+        assert!(raster.pixels.iter().any(|pixel| pixel[..3] == DOT));
     }
 }

@@ -46,8 +46,9 @@ pub(super) const RAYS: &[Known] = &[
     ("rays_traced", "Rays traced", Kind::Count),
     ("mrays_per_second", "Speed", Kind::Rate),
     ("occluded_share", "Directions that meet something", Kind::Share),
-    ("error", "Estimated error", Kind::Share),
 ];
+
+pub(super) const ERROR: &[Known] = &[("error", "Of the whole", Kind::Share)];
 
 pub(super) const RESULT: &[Known] = &[
     ("scene", "Scene", Kind::Plain),
@@ -55,6 +56,9 @@ pub(super) const RESULT: &[Known] = &[
     ("output_bytes", "Its size", Kind::Bytes),
     ("peak_memory_bytes", "Peak memory", Kind::Bytes),
 ];
+
+/// How labels begin that belong to the row above.
+const DETAIL: char = '–';
 
 /// Members that are shown otherwise than in a table.
 const DRAWN: [&str; 3] = ["seconds", "bounce_energy", "warnings"];
@@ -65,7 +69,9 @@ pub(super) type Row = (String, String);
 /// The known numbers of a group that are there.
 pub(super) fn known(numbers: &Value, group: &[Known]) -> Vec<Row> {
     let row = |&(name, label, kind): &Known| {
-        let value = numbers.get(name).filter(|value| !value.is_null())?;
+        // A reason that nothing was left out for is no news.
+        let is_news = |value: &&Value| !(value.is_null() || label.starts_with(DETAIL) && value.as_u64() == Some(0));
+        let value = numbers.get(name).filter(is_news)?;
         Some((label.to_owned(), written(value, kind)))
     };
     group.iter().filter_map(row).collect()
@@ -74,7 +80,7 @@ pub(super) fn known(numbers: &Value, group: &[Known]) -> Vec<Row> {
 /// Everything else.
 pub(super) fn others(numbers: &Value) -> Vec<Row> {
     let known: BTreeSet<&str> =
-        [MESH, SETTINGS, RAYS, RESULT].concat().iter().map(|known| known.0).chain(DRAWN).collect();
+        [MESH, SETTINGS, RAYS, ERROR, RESULT].concat().iter().map(|known| known.0).chain(DRAWN).collect();
     let members = numbers.as_object().into_iter().flatten();
     let mut rows = Vec::new();
     members
@@ -83,9 +89,16 @@ pub(super) fn others(numbers: &Value) -> Vec<Row> {
     rows
 }
 
+/// A name of the file as words.
+pub(super) fn label(name: &str) -> String {
+    let mut letters = name.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    first + &letters.as_str().replace('_', " ")
+}
+
 /// A row for a value, or a row for each member of an object.
 fn flatten(name: &str, value: &Value, rows: &mut Vec<Row>) {
-    let label = name.replace('_', " ");
+    let label = label(name);
     match value {
         Value::Object(members) => {
             members.iter().for_each(|(member, value)| flatten(&format!("{label}: {member}"), value, rows));
@@ -112,7 +125,7 @@ fn written(value: &Value, kind: Kind) -> String {
         (Kind::Count, Some(count), _) => output::count(count),
         (Kind::Bytes, Some(size), _) => output::bytes(size),
         (Kind::Share, _, Some(share)) => percent(share),
-        (Kind::Rate, _, Some(rate)) => format!("{rate:.1} million rays a second"),
+        (Kind::Rate, _, Some(rate)) => format!("{rate:.1} Mrays/s"),
         _ => scalar(value),
     }
 }
@@ -176,18 +189,21 @@ mod tests {
             "bins_free": 12, "saved": { "by_bins": 0.25, "all": true }, "list": [1, 2.5], "long": vec![7; 20], "empty": [],
         });
         assert_eq!(known(&numbers, MESH), [("Vertices".to_owned(), "34,834".to_owned())]);
-        assert_eq!(known(&numbers, RAYS), [("Estimated error".to_owned(), "0.22 %".to_owned())]);
+        let reasons = json!({ "faces_dropped": 3, "faces_degenerate": 3, "faces_duplicate": 0 });
+        let labels: Vec<_> = known(&reasons, MESH).into_iter().map(|(label, _)| label).collect();
+        assert_eq!(labels, ["Faces left out", "– without area"]);
+        assert_eq!(known(&numbers, ERROR), [("Of the whole".to_owned(), "0.22 %".to_owned())]);
         assert!(known(&numbers, RESULT).is_empty());
         let others: Vec<_> = others(&numbers).into_iter().map(|(label, text)| format!("{label} = {text}")).collect();
         assert_eq!(
             others,
             [
-                "bins free = 12",
-                "empty = none",
-                "list = 1, 2.5",
-                "long = 20 values, 7 … 7",
-                "saved: all = yes",
-                "saved: by bins = 0.25"
+                "Bins free = 12",
+                "Empty = none",
+                "List = 1, 2.5",
+                "Long = 20 values, 7 … 7",
+                "Saved: all = yes",
+                "Saved: by bins = 0.25"
             ]
         );
         assert!(known(&json!([1]), MESH).is_empty() && super::others(&json!("text")).is_empty());

@@ -11,6 +11,8 @@ use super::numbers::{self, Row, duration, percent};
 use super::pictures::{Panel, Picture, Pictures};
 use crate::output;
 
+/// The steps of a bake, as the numbers name them.
+const STEPS: [&str; 5] = ["load", "build", "trace", "bounce", "write"];
 const STYLE: &str = include_str!("page.css");
 
 pub(super) fn page(input: &ReportInput<'_>, findings: &Findings, pictures: &Pictures, advice: &[Advice]) -> String {
@@ -101,16 +103,14 @@ fn cards(input: &ReportInput<'_>, findings: &Findings) -> String {
     }
     let mut rays = numbers::known(numbers, numbers::RAYS);
     rays.extend(findings.rays.iter().flat_map(ray_rows));
-    let mut errors: Vec<Row> = findings.error.iter().flat_map(error_rows).collect();
-    if errors.is_empty() {
-        errors.extend(numbers::known(numbers, &[("error", "Of the whole", numbers::Kind::Share)]));
-    }
+    let mut errors = numbers::known(numbers, numbers::ERROR);
+    errors.extend(findings.error.iter().flat_map(error_rows));
     [
         card("Mesh", &table(&mesh)),
         card("Settings", &table(&numbers::known(numbers, numbers::SETTINGS))),
         card("Time", &time(numbers)),
         card("Rays", &table(&rays)),
-        card("Error of the vertices", &(table(&errors) + &error_columns(findings))),
+        card("Estimated error", &(table(&errors) + &error_columns(findings))),
         card("Light that arrives", &arriving_columns(findings)),
         card("Energy of each bounce", &bounces(numbers)),
         card("Energy of each band", &bands(findings)),
@@ -157,11 +157,14 @@ fn arriving_columns(findings: &Findings) -> String {
 
 /// Every step, and the total.
 fn time(numbers: &Value) -> String {
-    let steps = numbers.get("seconds").and_then(Value::as_object).into_iter().flatten();
+    let mut steps: Vec<_> = numbers.get("seconds").and_then(Value::as_object).into_iter().flatten().collect();
+    // In the order in which they happen, those not known here behind them, and the total last.
+    let place = |name: &str| STEPS.iter().position(|&step| step == name).unwrap_or(STEPS.len());
+    steps.sort_by_key(|(name, _)| if *name == "total" { usize::MAX } else { place(name) });
     let bar = |(name, value): (&String, &Value)| {
-        value.as_f64().map(|value| Bar { label: name.replace('_', " "), value, text: duration(value) })
+        value.as_f64().map(|value| Bar { label: numbers::label(name), value, text: duration(value) })
     };
-    let bars: Vec<Bar> = steps.filter_map(bar).collect();
+    let bars: Vec<Bar> = steps.into_iter().filter_map(bar).collect();
     if bars.is_empty() { String::new() } else { chart::bars("Time of each step", &bars) }
 }
 

@@ -6,10 +6,10 @@ use sh_core::Order;
 use super::ReportInput;
 use super::base64::encode;
 use super::color::{Ramp, Scale, false_color};
-use super::findings::Findings;
+use super::findings::{Findings, Open};
 use super::legend::{Legend, Unit, css};
 use super::marks;
-use super::raster::{Canvas, Raster};
+use super::raster::{BACK, Canvas, Raster};
 use super::stage::Stage;
 use crate::lighting::Lighting;
 use crate::picture;
@@ -19,7 +19,9 @@ use crate::sky::BuiltIn;
 const CLAY: f32 = 0.42;
 /// False colours keep this share of their brightness where the surface turns away from the eye: enough to see its shape, little enough to
 /// tell the colour.
-const EDGE: f32 = 0.45;
+const EDGE: f32 = 0.55;
+/// Stops by which the lit picture is brighter than what suits a picture with a background.
+const BRIGHTER: f32 = 0.6;
 
 /// All pictures; none if there is nothing that could be shown.
 #[derive(Debug, Default)]
@@ -70,7 +72,7 @@ pub(super) fn draw(input: &ReportInput<'_>, findings: &Findings) -> Pictures {
 fn draw_stage(input: &ReportInput<'_>, findings: &Findings, stage: &Stage<'_>) -> anyhow::Result<Pictures> {
     let canvases: Vec<Canvas<'_>> = stage.shots.iter().map(|shot| Canvas::new(stage, shot)).collect();
     let back_share = canvases.iter().map(Canvas::back_share).sum::<f64>() / canvases.len() as f64;
-    let plans = [Some(arriving(input, findings)), error(input, findings), rays(input, findings)];
+    let plans = [Some(occlusion(findings)), error(input, findings), rays(input, findings)];
     let mut panels = Vec::new();
     for plan in plans.into_iter().flatten() {
         panels.push(plan.draw(&canvases)?);
@@ -102,9 +104,12 @@ fn lit(input: &ReportInput<'_>, stage: &Stage<'_>) -> anyhow::Result<Picture> {
     )?;
     let light = Lighting::built_in(BuiltIn::Sky, order).light(order, glam::Quat::IDENTITY);
     let frame = cpu::render(&surface, &light, order, &stage.title.view)?;
-    let stops = picture::automatic_exposure(&frame);
+    let stops = picture::automatic_exposure(&frame) + BRIGHTER;
     let display = |x: f32| (255.0 * prt_gpu::tone_map([x; 3], stops)[0]).round() as u8;
-    Picture::of(stage.title.name, &Canvas::new(stage, &stage.title).develop(&frame, display))
+    Picture::of(
+        stage.title.name,
+        &Canvas::new(stage, &stage.title).develop(&frame, BACK.map(|channel| channel * (-stops).exp2()), display),
+    )
 }
 
 /// What is drawn in false colours: one value for each vertex.
@@ -130,22 +135,22 @@ impl Plan {
     }
 }
 
-fn arriving(input: &ReportInput<'_>, findings: &Findings) -> Plan {
+fn occlusion(findings: &Findings) -> Plan {
     let scale = Scale::Linear { low: 0.0, high: 1.0 };
-    let reflected = match input.baked.metadata.bounces {
-        0 => "",
-        _ => " What other surfaces reflect is counted.",
+    let share = match &findings.open {
+        Open::Direct(_) => "Share of the light that reaches each vertex directly when it comes evenly from everywhere",
+        Open::Directions(_) => "Share of the directions above each vertex that meet nothing",
+        Open::Total(_) => {
+            "Share of the light that reaches each vertex, reflected light too, when it comes evenly from everywhere"
+        }
     };
-    let explanation = format!(
-        "Share of the light that reaches each vertex when it comes evenly from everywhere: white is open, black is hidden.{reflected}"
-    );
     Plan {
-        colors: findings.arriving.iter().map(|&share| false_color(Ramp::Light, scale, share)).collect(),
+        colors: findings.open.shares().iter().map(|&share| false_color(Ramp::Light, scale, share)).collect(),
         edge: 1.0,
         panel: Panel {
             name: "occlusion",
-            heading: "Light that arrives",
-            explanation,
+            heading: "Occlusion",
+            explanation: format!("{share}: white is open, black is hidden."),
             legend: Legend::of(Ramp::Light, scale, Unit::Percent),
             pictures: Vec::new(),
         },
@@ -166,7 +171,7 @@ fn error(input: &ReportInput<'_>, findings: &Findings) -> Option<Plan> {
             heading: "Estimated error",
             explanation:
                 "Expected error of each vertex's transfer, relative to what it would be without shadows. The scale is \
-                          logarithmic: every label is ten times the one before."
+                          logarithmic."
                     .to_owned(),
             legend: if all { legend } else { legend.with_missing("not estimated") },
             pictures: Vec::new(),

@@ -48,15 +48,18 @@ impl<'a> Canvas<'a> {
     /// Draws linear colours of vertices `[V]`, all finite.
     pub(super) fn paint(&self, colors: &[[f32; 3]]) -> Raster {
         let Stage { geometry, positions, .. } = self.stage;
-        self.develop(&cpu::rasterize(positions, &geometry.triangles, colors, &self.shot.view), encode_srgb)
+        self.develop(&cpu::rasterize(positions, &geometry.triangles, colors, &self.shot.view), BACK, encode_srgb)
     }
 
-    /// Fills in the backs, and makes a frame of this view ready for the display.
-    pub(super) fn develop(&self, frame: &Frame, display: impl Fn(f32) -> u8) -> Raster {
+    /// Paints the backs, and makes a frame of this view ready for the display.
+    pub(super) fn develop(&self, frame: &Frame, back_color: [f32; 3], display: impl Fn(f32) -> u8) -> Raster {
         let pixels = frame.pixels.iter().zip(&self.fronts.pixels);
         let develop = |([r, g, b, a], front): (&[f32; 4], &[f32; 4])| {
+            if *a <= 0.0 {
+                return [0; 4];
+            }
             let back = (front[3] - front[0]).max(0.0);
-            let [r, g, b] = [0, 1, 2].map(|k| display(([*r, *g, *b][k] + back * BACK[k]) / a.max(f32::MIN_POSITIVE)));
+            let [r, g, b] = [0, 1, 2].map(|k| display(([*r, *g, *b][k] + back * back_color[k]) / a));
             [r, g, b, (255.0 * a).round() as u8]
         };
         Raster { width: frame.width, pixels: pixels.map(develop).collect() }
