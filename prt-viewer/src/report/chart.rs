@@ -26,7 +26,7 @@ pub(super) fn bars(title: &str, bars: &[Bar]) -> String {
     let mut rows = String::new();
     for (i, bar) in bars.iter().enumerate() {
         let y = i * ROW;
-        let share = if longest > 0.0 { (bar.value / longest).max(0.0).min(1.0) } else { 0.0 };
+        let share = if bar.value > 0.0 && longest > 0.0 { (bar.value / longest).min(1.0) } else { 0.0 };
         // Writing to a string does not fail.
         let _ = write!(
             rows,
