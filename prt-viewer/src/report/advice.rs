@@ -87,7 +87,7 @@ fn invalid(input: &ReportInput<'_>, findings: &Findings) -> Option<Advice> {
         _ => ": expect dark spots".to_owned(),
     };
     let subject = counted(count, "vertex lies", "vertices lie");
-    let share = percent(count as f64 / input.vertices.len().max(1) as f64);
+    let share = percent(count as f64 / input.baked.geometry.vertex_count().max(1) as f64);
     (count > 0).then(|| warning(format!("{subject} inside geometry ({share} of all){outcome}.")))
 }
 
@@ -96,8 +96,8 @@ fn error(input: &ReportInput<'_>, findings: &Findings) -> Option<Advice> {
     let worst = findings.error.as_ref().map(|spread| spread.largest);
     match (overall, worst) {
         (Some(overall), _) if overall > ERROR => Some(warning(format!(
-            "The estimated error is {}, above {}: more rays would help.",
-            percent(overall),
+            "The estimated error is {:.2} %, above {}: more rays would help.",
+            100.0 * overall,
             percent(ERROR)
         ))),
         (_, Some(worst)) if worst > WORST_ERROR => Some(note(format!(

@@ -5,7 +5,6 @@ use std::f32::consts::PI;
 use prt_bake::{BakedSurface, TransferVectors, VertexStats};
 use serde_json::{Value, json};
 
-use super::INVALID_BELOW;
 use super::histogram::Histogram;
 
 /// Decades of the error that the histogram tells apart.
@@ -77,6 +76,8 @@ pub(super) struct RaySpread {
     pub(super) fewest: u32,
     pub(super) median: u32,
     pub(super) most: u32,
+    /// One of 20 vertices has at most the first, and one of 20 at least the second.
+    usual: [u32; 2],
     pub(super) total: u64,
     /// Directions that the rays answered for, together.
     pub(super) directions: u64,
@@ -91,13 +92,12 @@ impl Findings {
         let vertex_count = baked.geometry.vertex_count();
         assert!(vertices.is_empty() || vertices.len() == vertex_count, "numbers for all vertices, or for none");
         let arriving = arriving(&baked.transfer);
-        let is_invalid = |&vertex: &u32| vertices[vertex as usize].validity < INVALID_BELOW;
         Self {
             // Rays leave a little more than all and less than nothing.
             arriving_histogram: Histogram::linear(arriving.iter().map(|share| share.clamp(0.0, 1.0)), [0.0, 1.0], BINS),
             open: Open::of(baked, vertices),
             arriving,
-            invalid: (0..vertices.len() as u32).filter(is_invalid).collect(),
+            invalid: invalid(baked, vertices),
             error: ErrorSpread::of(vertices),
             rays: RaySpread::of(vertices),
             band_energy: band_energy(&baked.transfer),
@@ -113,7 +113,6 @@ impl Findings {
         json!({
             "arriving": { "mean": self.mean_arriving(), "histogram": self.arriving_histogram.json() },
             "invalid_vertices": self.invalid.len(),
-            "invalid_below_validity": INVALID_BELOW,
             "error": self.error.as_ref().map(ErrorSpread::json),
             "rays": self.rays.as_ref().map(RaySpread::json),
             "band_energy": self.band_energy,
@@ -159,6 +158,7 @@ impl RaySpread {
             fewest: fewest?,
             median: median?,
             most,
+            usual: [quantile(&sorted, 0.05)?, quantile(&sorted, 0.95)?],
             total: sum(|stats| stats.rays),
             directions: sum(|stats| stats.directions),
             occluded: sum(|stats| stats.occluded),
@@ -166,9 +166,10 @@ impl RaySpread {
         })
     }
 
-    /// Whether some vertices were given more rays than others, beyond what the number of directions above each horizon differs by.
+    /// Whether many vertices were given more rays than many others, beyond what the number of directions above each horizon differs by.
     pub(super) fn vary(&self) -> bool {
-        f64::from(self.most) > 1.05 * f64::from(self.fewest)
+        let [low, high] = self.usual.map(f64::from);
+        high > 1.1 * low
     }
 
     fn json(&self) -> Value {
@@ -182,6 +183,14 @@ impl RaySpread {
             "histogram": self.histogram.json(),
         })
     }
+}
+
+/// The vertices that are not valid, as the bake or the file tells.
+fn invalid(baked: &BakedSurface, vertices: &[VertexStats]) -> Vec<u32> {
+    let bake = vertices.iter().map(|stats| stats.validity);
+    let file = baked.validity.iter().flatten().copied().take(if vertices.is_empty() { usize::MAX } else { 0 });
+    let all = (0_u32..).zip(bake.chain(file));
+    all.filter(|&(_, validity)| validity < VertexStats::VALID).map(|(vertex, _)| vertex).collect()
 }
 
 /// The value below or at which a share of sorted values lies; none of no values.

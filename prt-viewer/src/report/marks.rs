@@ -12,6 +12,13 @@ const DEPTH_TOLERANCE: f32 = 2e-3;
 /// Share of a ring's colour: it is seen through the surface.
 const RING_OPACITY: f32 = 0.55;
 
+/// A vertex, and the colour of its dot.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mark {
+    pub(super) position: [f32; 3],
+    pub(super) color: [u8; 3],
+}
+
 /// Radius of a dot in pixels: many dots are small, so that they do not hide one another.
 fn radius(count: usize) -> f32 {
     match count {
@@ -24,12 +31,12 @@ fn radius(count: usize) -> f32 {
 }
 
 /// Marks vertices; those in sight last, over those that are hidden.
-pub(super) fn mark(raster: &mut Raster, canvas: &Canvas<'_>, points: &[[f32; 3]]) {
+pub(super) fn mark(raster: &mut Raster, canvas: &Canvas<'_>, points: &[Mark]) {
     let radius = radius(points.len());
-    let placed = points.iter().filter_map(|&point| place(canvas, raster, point));
-    let (seen, hidden): (Vec<_>, Vec<_>) = placed.partition(|&(_, is_seen)| is_seen);
-    hidden.iter().for_each(|&(at, _)| ring(raster, at, radius));
-    seen.iter().for_each(|&(at, _)| dot(raster, at, radius));
+    let placed = points.iter().filter_map(|mark| Some((place(canvas, raster, mark.position)?, mark.color)));
+    let (seen, hidden): (Vec<_>, Vec<_>) = placed.partition(|&((_, is_seen), _)| is_seen);
+    hidden.iter().for_each(|&((at, _), color)| ring(raster, at, radius, color));
+    seen.iter().for_each(|&((at, _), color)| dot(raster, at, radius, color));
 }
 
 /// The place of a point in pixels, and whether nothing hides it; none if it is outside of the picture.
@@ -48,17 +55,17 @@ fn place(canvas: &Canvas<'_>, raster: &Raster, point: [f32; 3]) -> Option<(Vec2,
     })
 }
 
-fn dot(raster: &mut Raster, at: Vec2, radius: f32) {
+fn dot(raster: &mut Raster, at: Vec2, radius: f32, color: [u8; 3]) {
     disc(raster, at, radius + 1.0, |distance| {
         let inner = coverage(radius - 1.0, distance);
-        [(RIM, coverage(radius, distance)), (DOT, inner)]
+        [(RIM, coverage(radius, distance)), (color, inner)]
     });
 }
 
-fn ring(raster: &mut Raster, at: Vec2, radius: f32) {
+fn ring(raster: &mut Raster, at: Vec2, radius: f32, color: [u8; 3]) {
     disc(raster, at, radius + 1.0, |distance| {
         let band = coverage(radius, distance) - coverage(radius - 2.0, distance);
-        [(DOT, RING_OPACITY * band), (DOT, 0.0)]
+        [(color, RING_OPACITY * band), (color, 0.0)]
     });
 }
 
@@ -90,8 +97,8 @@ mod tests {
     #[test]
     fn dots_are_round_and_cut_at_the_edge() {
         let mut raster = Raster::empty();
-        dot(&mut raster, Vec2::new(100.0, 100.0), 6.0);
-        dot(&mut raster, Vec2::new(0.0, 419.9), 6.0);
+        dot(&mut raster, Vec2::new(100.0, 100.0), 6.0, DOT);
+        dot(&mut raster, Vec2::new(0.0, 419.9), 6.0, DOT);
         let drawn: f32 = raster.pixels[..].iter().map(|pixel| f32::from(pixel[3]) / 255.0).sum();
         // A disc and a quarter of one, whose edge is half a pixel wide to either side.
         let area = 1.25 * std::f32::consts::PI * 6.0 * 6.0;
@@ -102,7 +109,7 @@ mod tests {
     #[test]
     fn a_ring_is_hollow() {
         let mut raster = Raster::empty();
-        ring(&mut raster, Vec2::new(50.0, 50.0), 6.0);
+        ring(&mut raster, Vec2::new(50.0, 50.0), 6.0, DOT);
         assert_eq!(raster.pixels[50 * raster.width + 50], [0; 4]);
         assert!(raster.pixels[50 * raster.width + 55][3] > 100);
     }
@@ -120,7 +127,8 @@ mod tests {
         assert_eq!([0.2, 0.0, -0.2].map(is_seen), [Some(true), Some(true), Some(false)]);
         assert!(place(&canvas, &Raster::empty(), [9.0, 0.0, 0.0]).is_none(), "outside of the picture");
         let mut raster = Raster::empty();
-        mark(&mut raster, &canvas, &[[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
+        let marks = [0.0, 9.0].map(|x| Mark { position: [x, 0.0, 0.0], color: DOT });
+        mark(&mut raster, &canvas, &marks);
         assert!(raster.pixels.iter().any(|pixel| pixel[..3] == DOT));
     }
 }

@@ -36,10 +36,6 @@ use findings::Findings;
 pub(crate) use command::command_line;
 pub(crate) use paths::{Paths, parse};
 
-/// A vertex is called invalid where less than this share of its directions ends in the open or on the front of a face: inside a solid
-/// nearly all end on backs, outside nearly none.
-pub(crate) const INVALID_BELOW: f32 = 0.5;
-
 /// What a report is made of.
 #[derive(Debug)]
 pub(crate) struct ReportInput<'a> {

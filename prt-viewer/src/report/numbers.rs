@@ -30,6 +30,7 @@ pub(super) const MESH: &[Known] = &[
     ("faces_degenerate", "– without area", Kind::Count),
     ("faces_duplicate", "– the same as another", Kind::Count),
     ("faces_not_finite", "– at undefined positions", Kind::Count),
+    ("vertices_invalid", "Vertices inside geometry", Kind::Count),
 ];
 
 pub(super) const SETTINGS: &[Known] = &[
@@ -37,13 +38,14 @@ pub(super) const SETTINGS: &[Known] = &[
     ("channels", "Channels", Kind::Plain),
     ("rays_per_vertex", "Rays per vertex", Kind::Count),
     ("bounces", "Bounces", Kind::Plain),
-    ("inside", "Vertices inside geometry", Kind::Plain),
+    ("inside", "Inside of geometry", Kind::Plain),
     ("seed", "Seed", Kind::Plain),
     ("threads", "Threads", Kind::Plain),
 ];
 
 pub(super) const RAYS: &[Known] = &[
     ("rays_traced", "Rays traced", Kind::Count),
+    ("vertices_resumed", "– vertices from an earlier run", Kind::Count),
     ("mrays_per_second", "Speed", Kind::Rate),
     ("occluded_share", "Directions that meet something", Kind::Share),
 ];
@@ -61,7 +63,7 @@ pub(super) const RESULT: &[Known] = &[
 const DETAIL: char = '–';
 
 /// Members that are shown otherwise than in a table.
-const DRAWN: [&str; 3] = ["seconds", "bounce_energy", "warnings"];
+const DRAWN: [&str; 4] = ["seconds", "bounce_energy", "warnings", "up_to_date"];
 
 /// A label and a text.
 pub(super) type Row = (String, String);
@@ -104,6 +106,7 @@ fn flatten(name: &str, value: &Value, rows: &mut Vec<Row>) {
             members.iter().for_each(|(member, value)| flatten(&format!("{label}: {member}"), value, rows));
         }
         Value::Array(values) => rows.push((label, list(values))),
+        Value::Null => {}
         value => rows.push((label, scalar(value))),
     }
 }
@@ -186,7 +189,7 @@ mod tests {
     fn known_numbers_have_labels_and_unknown_ones_their_names() {
         let numbers = json!({
             "vertices": 34834, "error": 0.0022, "peak_memory_bytes": null, "seconds": { "total": 1.0 },
-            "bins_free": 12, "saved": { "by_bins": 0.25, "all": true }, "list": [1, 2.5], "long": vec![7; 20], "empty": [],
+            "bins_free": 12, "saved": { "by_bins": 0.25, "all": true }, "list": [1, 2.5], "part": null, "long": vec![7; 20], "empty": [],
         });
         assert_eq!(known(&numbers, MESH), [("Vertices".to_owned(), "34,834".to_owned())]);
         let reasons = json!({ "faces_dropped": 3, "faces_degenerate": 3, "faces_duplicate": 0 });

@@ -1,19 +1,20 @@
 //! The pictures of a report.
 
+use prt_bake::VertexStats;
 use prt_gpu::{Surface, cpu};
 use sh_core::Order;
 
 use super::ReportInput;
 use super::base64::encode;
-use super::color::{Ramp, Scale, false_color};
-use super::findings::{Findings, Open};
+use super::color::{Ramp, Scale, encode_srgb, false_color};
+use super::findings::{ErrorSpread, Findings, Open};
 use super::legend::{Legend, Unit, css};
-use super::marks;
+use super::marks::{self, Mark};
 use super::raster::{BACK, Canvas, Raster};
 use super::stage::Stage;
 use crate::lighting::Lighting;
-use crate::picture;
 use crate::sky::BuiltIn;
+use crate::{output, picture};
 
 /// Linear colour of the surface below marks, where it faces the eye.
 const CLAY: f32 = 0.42;
@@ -22,6 +23,13 @@ const CLAY: f32 = 0.42;
 const EDGE: f32 = 0.55;
 /// Stops by which the lit picture is brighter than what suits a picture with a background.
 const BRIGHTER: f32 = 0.6;
+
+const ERROR_MEANING: &str =
+    "Expected error of a vertex's transfer, relative to what it would be without shadows. The scale is logarithmic.";
+const INVALID_MEANING: &str = "Most of what these vertices see is the backs of faces, so they lie inside something solid and get no \
+                               light that could be trusted. Rings lie behind what is in front of them.";
+/// Share of the vertices whose error must be known to draw it as a surface.
+const DENSE: f32 = 0.5;
 
 /// All pictures; none if there is nothing that could be shown.
 #[derive(Debug, Default)]
@@ -72,13 +80,17 @@ pub(super) fn draw(input: &ReportInput<'_>, findings: &Findings) -> Pictures {
 fn draw_stage(input: &ReportInput<'_>, findings: &Findings, stage: &Stage<'_>) -> anyhow::Result<Pictures> {
     let canvases: Vec<Canvas<'_>> = stage.shots.iter().map(|shot| Canvas::new(stage, shot)).collect();
     let back_share = canvases.iter().map(Canvas::back_share).sum::<f64>() / canvases.len() as f64;
-    let plans = [Some(occlusion(findings)), error(input, findings), rays(input, findings)];
-    let mut panels = Vec::new();
-    for plan in plans.into_iter().flatten() {
-        panels.push(plan.draw(&canvases)?);
+    let mut panels = vec![occlusion(findings).draw(&canvases)?];
+    match (error(input, findings), &findings.error) {
+        (Some(plan), _) => panels.push(plan.draw(&canvases)?),
+        (None, Some(_)) => panels.push(error_samples(input, stage, &canvases)?),
+        (None, None) => {}
     }
     if !findings.invalid.is_empty() {
-        panels.insert(panels.len().min(2), invalid(findings, stage, &canvases)?);
+        panels.push(invalid(findings, stage, &canvases)?);
+    }
+    if let Some(plan) = rays(input, findings) {
+        panels.push(plan.draw(&canvases)?);
     }
     if back_share > 0.01 {
         panels.iter_mut().for_each(|panel| panel.legend.keys.push(Legend::backs()));
@@ -158,7 +170,8 @@ fn occlusion(findings: &Findings) -> Plan {
 }
 
 fn error(input: &ReportInput<'_>, findings: &Findings) -> Option<Plan> {
-    let spread = findings.error.as_ref()?;
+    let is_dense = |spread: &&ErrorSpread| spread.estimated as f32 >= DENSE * input.vertices.len() as f32;
+    let spread = findings.error.as_ref().filter(is_dense)?;
     let errors = || input.vertices.iter().map(|stats| stats.error);
     let scale = Scale::decades_around(errors());
     let legend = Legend::of(Ramp::Heat, scale, Unit::Percent);
@@ -169,10 +182,7 @@ fn error(input: &ReportInput<'_>, findings: &Findings) -> Option<Plan> {
         panel: Panel {
             name: "error",
             heading: "Estimated error",
-            explanation:
-                "Expected error of each vertex's transfer, relative to what it would be without shadows. The scale is \
-                          logarithmic."
-                    .to_owned(),
+            explanation: ERROR_MEANING.to_owned(),
             legend: if all { legend } else { legend.with_missing("not estimated") },
             pictures: Vec::new(),
         },
@@ -199,25 +209,44 @@ fn rays(input: &ReportInput<'_>, findings: &Findings) -> Option<Plan> {
     })
 }
 
-/// Marks on a surface of clay.
+/// Dots in false colours, where the error of few vertices was estimated.
+fn error_samples(input: &ReportInput<'_>, stage: &Stage<'_>, canvases: &[Canvas<'_>]) -> anyhow::Result<Panel> {
+    let scale = Scale::decades_around(input.vertices.iter().map(|stats| stats.error));
+    let samples = input.vertices.iter().zip(&stage.positions).filter(|(stats, _)| !stats.error.is_nan());
+    let mark = |(stats, &position): (&VertexStats, &[f32; 3])| {
+        let color = false_color(Ramp::Heat, scale, stats.error).map(encode_srgb);
+        Mark { position, color }
+    };
+    let marks: Vec<Mark> = samples.map(mark).collect();
+    Ok(Panel {
+        name: "error",
+        heading: "Estimated error",
+        explanation: format!("{ERROR_MEANING} It was estimated at {} vertices.", output::count(marks.len() as u64)),
+        legend: Legend::of(Ramp::Heat, scale, Unit::Percent),
+        pictures: marked(&marks, canvases)?,
+    })
+}
+
 fn invalid(findings: &Findings, stage: &Stage<'_>, canvases: &[Canvas<'_>]) -> anyhow::Result<Panel> {
-    let points: Vec<[f32; 3]> = findings.invalid.iter().map(|&vertex| stage.positions[vertex as usize]).collect();
-    let mut pictures = Vec::new();
-    for canvas in canvases {
-        let clay: Vec<[f32; 3]> = canvas.facing().map(|facing| [CLAY * (EDGE + (1.0 - EDGE) * facing); 3]).collect();
-        let mut raster = canvas.paint(&clay);
-        marks::mark(&mut raster, canvas, &points);
-        pictures.push(Picture::of(canvas.shot.name, &raster)?);
-    }
+    let mark = |&vertex: &u32| Mark { position: stage.positions[vertex as usize], color: marks::DOT };
     let [r, g, b] = marks::DOT;
     let dot = format!("rgb({r},{g},{b})");
     Ok(Panel {
         name: "invalid",
         heading: "Vertices inside geometry",
-        explanation: "Most of what these vertices see is the backs of faces, so they lie inside something solid and get no light that \
-                      could be trusted. Rings lie behind what is in front of them."
-            .to_owned(),
+        explanation: INVALID_MEANING.to_owned(),
         legend: Legend { bar: None, keys: vec![(dot, "inside geometry"), (css([CLAY; 3]), "all other vertices")] },
-        pictures,
+        pictures: marked(&findings.invalid.iter().map(mark).collect::<Vec<_>>(), canvases)?,
     })
+}
+
+/// Marks on a surface of clay, from all sides.
+fn marked(marks: &[Mark], canvases: &[Canvas<'_>]) -> anyhow::Result<Vec<Picture>> {
+    let from = |canvas: &Canvas<'_>| {
+        let clay: Vec<[f32; 3]> = canvas.facing().map(|facing| [CLAY * (EDGE + (1.0 - EDGE) * facing); 3]).collect();
+        let mut raster = canvas.paint(&clay);
+        marks::mark(&mut raster, canvas, marks);
+        Picture::of(canvas.shot.name, &raster)
+    };
+    canvases.iter().map(from).collect()
 }

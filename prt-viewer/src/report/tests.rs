@@ -43,7 +43,7 @@ fn baked(geometry: Geometry, order: usize, share: f32) -> BakedSurface {
     let first = share / (4.0 * std::f32::consts::PI).sqrt();
     transfer.values.iter_mut().step_by(order.coeff_count()).for_each(|value| *value = first);
     let metadata = Metadata { rays: 64, shadowed: true, ..Metadata::default() };
-    BakedSurface { metadata, geometry, transfer, transfer_shadowed: None }
+    BakedSurface { metadata, geometry, transfer, transfer_shadowed: None, validity: None }
 }
 
 fn stats(count: usize) -> Vec<VertexStats> {
@@ -142,7 +142,7 @@ fn panels(made: &Made) -> Vec<&'static str> {
 fn a_page_has_what_it_must_and_nothing_from_elsewhere() {
     let baked = baked(square(8), 3, 0.5);
     let mut vertices = stats(81);
-    vertices[3].rays = 640;
+    vertices[..9].iter_mut().for_each(|stats| stats.rays = 640);
     vertices[40].validity = 0.1;
     vertices[41].error = f32::NAN;
     let numbers = json!({
@@ -180,7 +180,7 @@ fn a_page_has_what_it_must_and_nothing_from_elsewhere() {
     assert_eq!(
         texts(&made),
         "1 vertex lies inside geometry (1.2 % of all) and was filled from neighbours.\n\
-         The estimated error is 3.4 %, above 1 %: more rays would help.\n\
+         The estimated error is 3.40 %, above 1 %: more rays would help.\n\
          something <odd> of the bake\n\
          Bounce 2 still adds 4 % of the direct light: one more would be seen.\n\
          5 faces were left out: 5 without area."
@@ -243,6 +243,30 @@ fn occlusion_is_without_reflected_light_where_that_is_known() {
     assert_eq!(shown(&surface, &[]), 230, "nothing else is known");
     surface.transfer_shadowed = Some(baked(square(1), 1, 0.2).transfer);
     assert_eq!(shown(&surface, &stats(4)), 51, "0.2 arrives directly");
+}
+
+/// Where few errors are known they are dots, and validity may come from the file alone.
+#[test]
+fn what_is_known_of_few_vertices_is_marked() {
+    let mut surface = baked(square(8), 2, 0.5);
+    let mut vertices = stats(81);
+    vertices.iter_mut().skip(1).for_each(|stats| stats.error = f32::NAN);
+    vertices[40].error = 0.01;
+    let made = make("square", &surface, &vertices, &json!({}));
+    assert_eq!(panels(&made), ["occlusion", "error"]);
+    assert!(made.page.contains("It was estimated at 2 vertices."));
+    let scale = Scale::decades_around([0.01].into_iter());
+    let color = false_color(Ramp::Heat, scale, 0.01).map(super::color::encode_srgb);
+    let dots = checked(&made.page)[4].pixels().filter(|pixel| pixel.0[..3] == color).count();
+    // Two dots of radius 8 within their rims.
+    assert!((300..500).contains(&dots), "{dots}");
+
+    let mut validity = vec![1.0; 81];
+    validity[7] = 0.1;
+    surface.validity = Some(validity);
+    let made = make("square", &surface, &[], &json!({ "inside": "black" }));
+    assert_eq!(panels(&made), ["occlusion", "invalid"]);
+    assert_eq!(texts(&made), "1 vertex lies inside geometry (1.2 % of all) and was made black.");
 }
 
 #[test]
