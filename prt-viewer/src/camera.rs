@@ -8,6 +8,13 @@ use glam::{Mat4, Vec2, Vec3};
 pub(crate) const DEFAULT_FOV: f32 = 0.61;
 /// Room left around a framed object, as a factor on the distance.
 const MARGIN: f32 = 1.06;
+/// How far from the middle of the picture an object may be that counts as centred, as a share of the width and of the height.
+const CENTERED: f32 = 2e-3;
+/// Share of the way to the middle that is taken at once: what is near moves further in the picture than what is far, so that a whole step could
+/// go too far.
+const CENTERING_STEP: f32 = 0.6;
+/// Most steps.
+const CENTERING_ROUNDS: usize = 16;
 /// Nearest depth that is drawn when the eye is within the object, in units of its radius.
 const NEAREST: f32 = 1e-3;
 /// The orbit stops short of straight up and down, where its up direction would turn over; radians.
@@ -42,6 +49,13 @@ impl Camera {
         let far = (depth + 1.01 * around.radius).max(2.0 * near);
         rh::proj::directx::perspective(self.fov, aspect, near, far)
             * rh::view::look_at_mat4(self.eye, self.target, self.up)
+    }
+
+    /// The corners of the part of the picture that points take up, in clip space.
+    fn picture_bounds(&self, points: &[[f32; 3]], aspect: f32, around: Sphere) -> [Vec2; 2] {
+        let clip = self.clip_from_world(aspect, around);
+        let places = points.iter().map(|&point| clip.project_point3(Vec3::from_array(point)).truncate());
+        places.fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
     }
 
     /// The direction seen at a point of the picture, unit length; `x` and `y` run from −1 (left, bottom) to 1.
@@ -126,12 +140,33 @@ pub(crate) struct Orbit {
 impl Orbit {
     /// Frames an object from one of its sides: as near as all points stay in the picture.
     pub(crate) fn framing(points: &[[f32; 3]], side: Side, up: Vec3, fov: f32, aspect: f32) -> Self {
+        Self::framing_from(points, side.angles(), up, fov, aspect)
+    }
+
+    /// Frames an object from the angles of [`yaw` about the up direction from the front towards the right, `pitch` above the horizon],
+    /// radians.
+    pub(crate) fn framing_from(points: &[[f32; 3]], [yaw, pitch]: [f32; 2], up: Vec3, fov: f32, aspect: f32) -> Self {
         let around = Sphere::around(points);
-        let [yaw, pitch] = side.angles();
         let mut orbit =
             Self { target: around.center, distance: 2.0 * around.radius, yaw, pitch, frame: Frame::new(up), fov };
         orbit.distance = MARGIN * orbit.fitting_distance(points, aspect).max(1e-3 * around.radius);
         orbit
+    }
+
+    /// Moves the object, seen from the same side, to the middle of the picture, as near as all of it stays there.
+    pub(crate) fn centered(mut self, points: &[[f32; 3]], aspect: f32) -> Self {
+        let around = Sphere::around(points);
+        for _ in 0..CENTERING_ROUNDS {
+            let [low, high] = self.camera().picture_bounds(points, aspect, around);
+            let middle = 0.25 * (low + high);
+            if middle.abs().max_element() < CENTERED {
+                break;
+            }
+            let step = CENTERING_STEP * middle;
+            self.pan(-step.x * aspect, -step.y);
+            self.distance = MARGIN * self.fitting_distance(points, aspect).max(1e-3 * around.radius);
+        }
+        self
     }
 
     /// The orbit that starts at a camera.
@@ -238,7 +273,7 @@ mod tests {
     #[test]
     fn a_point_is_seen_in_the_direction_of_its_pixel() {
         let camera = Camera { eye: Vec3::new(1.0, 2.0, 3.0), up: Vec3::new(0.1, 1.0, 0.0), ..camera() };
-        for point in [Vec3::new(0.3, -0.2, 0.1), Vec3::new(-0.5, 0.5, 0.5)] {
+        for point in [Vec3::new(0.3, -0.15, 0.1), Vec3::new(-0.5, 0.5, 0.5)] {
             let at = camera.clip_from_world(1.5, SPHERE).project_point3(point).truncate();
             let direction = camera.direction(1.5, at);
             assert!(direction.distance((point - camera.eye).normalize()) < 1e-5);
@@ -262,6 +297,19 @@ mod tests {
                 assert!((0.85..1.0).contains(&reach), "{side:?} {up} {aspect}: {reach}");
             }
         }
+    }
+
+    #[test]
+    fn a_centered_object_has_the_same_room_on_opposite_sides() {
+        let points = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 6.0], [0.0, 0.5, -1.0_f32]];
+        let around = Sphere::around(&points);
+        let bounds = |orbit: Orbit| orbit.camera().picture_bounds(&points, 1.5, around);
+        let framed = Orbit::framing_from(&points, [0.5, 0.3], Vec3::Y, DEFAULT_FOV, 1.5);
+        let [low, high] = bounds(framed);
+        assert!((low + high).abs().max_element() > 0.15, "it would be centred anyway: {low} {high}");
+        let [low, high] = bounds(framed.centered(&points, 1.5));
+        assert!((low + high).abs().max_element() < 0.02, "{low} {high}");
+        assert!((0.8..1.0).contains(&high.max_element()), "{high}");
     }
 
     #[test]

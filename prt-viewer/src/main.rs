@@ -18,6 +18,7 @@ mod output_file;
 mod picture;
 mod progress_bar;
 mod renderer;
+mod report;
 mod shading;
 mod showcase;
 mod sky;

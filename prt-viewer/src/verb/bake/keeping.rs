@@ -32,6 +32,10 @@ impl Keeping {
         self.resume || self.restart || self.update || self.part.is_some()
     }
 
+    pub(super) fn is_part(&self) -> bool {
+        self.part.is_some_and(|part| !part.is_whole())
+    }
+
     /// The name of the scene with `.prt`, or of the part, in the current folder.
     pub(super) fn default_output(&self, scene: &Path) -> PathBuf {
         match self.part {

@@ -1,5 +1,6 @@
 mod keeping;
 mod report;
+mod reporting;
 mod several;
 mod texels;
 
@@ -18,6 +19,7 @@ use crate::progress_bar::BakeBar;
 use crate::{cancel, output, output_file};
 use keeping::Keeping;
 use report::{Report, Seconds};
+use reporting::Reporting;
 
 /// Bakes how a mesh or a relief answers light into a .prt file
 ///
@@ -75,6 +77,8 @@ pub(crate) struct Arguments {
     gutter: usize,
     #[command(flatten)]
     keeping: Keeping,
+    #[command(flatten)]
+    reporting: Reporting,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -164,6 +168,7 @@ fn run_patch(arguments: &Arguments, scene: &Path, origin: &Origin) -> anyhow::Re
 fn run_mesh(arguments: &Arguments, scene: &Path) -> anyhow::Result<()> {
     let output = arguments.output.clone().unwrap_or_else(|| arguments.keeping.default_output(scene));
     output_file::check(&output)?;
+    arguments.reporting.check(scene, &output, arguments.keeping.is_part(), false)?;
     cancel::listen()?;
     arguments.keeping.lower_priority()?;
     let report = bake_mesh(arguments, scene, output)?;
@@ -180,7 +185,9 @@ fn bake_mesh(arguments: &Arguments, scene: &Path, output: PathBuf) -> anyhow::Re
     cancel::check()?;
     let file = bake_file(&mesh, &arguments.bake_options(), &target, &scene.display().to_string())?;
     let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
-    Ok(Report::new(arguments, scene, &target, &mesh, &cleaning, &file, seconds))
+    let report = Report::new(arguments, scene, &target, &mesh, &cleaning, &file, seconds);
+    arguments.reporting.write(scene, &target, &file, &report)?;
+    Ok(report)
 }
 
 /// Reads and cleans the mesh.

@@ -54,6 +54,8 @@ pub(super) struct Report {
     /// Vertices that an earlier run of this bake had traced from.
     vertices_resumed: usize,
     bounces: usize,
+    /// What becomes of vertices inside of solids.
+    inside: String,
     /// Length of what each bounce adds, relative to direct transfer.
     bounce_energy: Vec<f64>,
     /// Share of the rays towards the light that meet something.
@@ -100,6 +102,7 @@ impl Report {
             rays_traced: bake.rays_traced,
             vertices_resumed: bake.vertices_resumed,
             bounces: bake.bounce_energy.len(),
+            inside: arguments.inside.clone(),
             bounce_energy: bake.bounce_energy.clone(),
             occluded_share: bake.occluded_share,
             error: bake.error,

@@ -28,6 +28,9 @@ pub(super) fn run(arguments: &Arguments, scenes: &[PathBuf]) -> anyhow::Result<(
     let laps = Laps::start();
     let outputs = outputs(arguments, scenes)?;
     outputs.iter().try_for_each(|output| output_file::check(output))?;
+    for (scene, output) in scenes.iter().zip(&outputs) {
+        arguments.reporting.check(scene, output, arguments.keeping.is_part(), true)?;
+    }
     cancel::listen()?;
     arguments.keeping.lower_priority()?;
     let mut reports = Reports { scenes: Vec::new(), failed: Vec::new(), seconds: 0.0 };
