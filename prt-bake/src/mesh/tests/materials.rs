@@ -175,3 +175,32 @@ fn wrong_numbers_are_errors() {
         assert!(error.contains(message), "{error}");
     }
 }
+
+#[test]
+#[cfg(feature = "trace")]
+fn whatever_decides_a_bake_is_in_the_fingerprint() {
+    let hash = |change: fn(&mut MeshSource)| {
+        let mut source = MeshSource { tints: vec![[0.5; 3]; 9], ..row() };
+        change(&mut source);
+        build(source).0.content_hash()
+    };
+    let plain = hash(|_| {});
+    let changes: [fn(&mut MeshSource); 8] = [
+        |source| source.face_material[2] = 1,
+        |source| source.materials[0].two_sided = false,
+        |source| source.materials[1].alpha_cutoff = Some(0.5),
+        |source| source.materials[1].base_color[3] = 0.5,
+        |source| source.materials[1].texture = None,
+        |source| source.materials[1].texture.iter_mut().for_each(|map| map.rotation = 1.0),
+        |source| source.tints[3] = [0.25; 3],
+        |source| {
+            let other = Texture::new(2, 1, vec![[255, 1, 0, 255], [255; 4]], [TextureWrap::ClampToEdge; 2]);
+            source.materials[1].texture = Some(TextureMap::new(Arc::new(other)));
+        },
+    ];
+    for (number, change) in changes.into_iter().enumerate() {
+        assert_ne!(hash(change), plain, "change {number}");
+    }
+    let names = hash(|source| (source.parts[0], source.materials[0].name) = ("z".to_owned(), "y".to_owned()));
+    assert_eq!(names, plain, "names decide nothing");
+}
