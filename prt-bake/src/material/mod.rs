@@ -42,7 +42,7 @@ impl SurfaceMaterial {
     #[must_use]
     pub fn may_have_holes(&self) -> bool {
         let least = self.texture.as_ref().map_or(1.0, |map| map.texture.least_alpha());
-        self.alpha_cutoff.is_some_and(|cutoff| !(self.base_color[3] * least >= cutoff))
+        self.alpha_cutoff.is_some_and(|cutoff| self.base_color[3] * least < cutoff)
     }
 
     /// Whether the surface is there at a texture coordinate.

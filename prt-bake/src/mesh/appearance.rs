@@ -22,6 +22,7 @@ impl Mesh {
     }
 
     /// The number of the material of a face, or [`SurfaceMaterial::NONE`].
+    #[cfg(feature = "trace")]
     pub(crate) fn material_number(&self, face: usize) -> u32 {
         self.face_material.get(face).copied().unwrap_or(SurfaceMaterial::NONE)
     }

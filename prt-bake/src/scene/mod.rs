@@ -131,14 +131,18 @@ impl Scene {
         above.iter().map(|rays| rays.count_ones()).sum()
     }
 
+    fn tree(&self) -> packet::Tree<'_> {
+        packet::Tree { nodes: &self.nodes, triangles: &self.triangles, masks: &self.masks }
+    }
+
     /// Of the rays of `packet` whose bit is set in `rays`, those that meet anything.
     pub(crate) fn occluded_packet(&self, origin: Vec3, packet: &Packet, rays: u64, stack: &mut Stack) -> u64 {
-        packet::occluded(&self.nodes, &self.triangles, &self.masks, origin, packet, rays, stack)
+        packet::occluded(self.tree(), origin, packet, rays, stack)
     }
 
     /// The nearest hit of the rays of `packet` whose bit is set in `rays`.
     pub(crate) fn closest_packet(&self, origin: Vec3, packet: &Packet, rays: u64, hits: &mut Hits, stack: &mut Stack) {
-        packet::closest(&self.nodes, &self.triangles, &self.masks, origin, packet, rays, hits, stack);
+        packet::closest(self.tree(), origin, packet, rays, hits, stack);
     }
 
     /// What `closest_packet` found for one ray.

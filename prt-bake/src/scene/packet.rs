@@ -116,6 +116,15 @@ fn enclosing_beam(directions: &[Vec3]) -> Beam {
 #[derive(Debug, Default)]
 pub(crate) struct Stack(Vec<(u32, u32)>);
 
+/// What rays are traced against.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tree<'a> {
+    pub(super) nodes: &'a [Node],
+    /// Corners in the order of the leaves.
+    pub(super) triangles: &'a [[Vec3; 3]],
+    pub(super) masks: &'a Masks,
+}
+
 /// Rays that still look for a hit: all bits set or none.
 type Alive = [Lanes<u32>; BLOCKS];
 
@@ -285,22 +294,14 @@ fn pass_through_holes(meets: &mut Lanes<u32>, weights: &[Lanes<f32>; 3], masks: 
 
 /// Of the `rays`, those that meet any triangle.
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn occluded(
-    nodes: &[Node],
-    triangles: &[[Vec3; 3]],
-    masks: &Masks,
-    origin: Vec3,
-    packet: &Packet,
-    rays: u64,
-    stack: &mut Stack,
-) -> u64 {
+pub(super) fn occluded(tree: Tree, origin: Vec3, packet: &Packet, rays: u64, stack: &mut Stack) -> u64 {
     const NO_LIMIT: [Lanes<f32>; BLOCKS] = [[f32::INFINITY; LANES]; BLOCKS];
     let mut alive = alive_from_bits(rays);
     stack.start();
-    while let Some((node, first)) = stack.next_leaf(nodes, origin, packet, &alive, &NO_LIMIT) {
+    while let Some((node, first)) = stack.next_leaf(tree.nodes, origin, packet, &alive, &NO_LIMIT) {
         for slot in node.first as usize..(node.first + node.count) as usize {
-            let Some(wedge) = Wedge::new(&triangles[slot], origin) else { continue };
-            let may_have_holes = masks.may_have_holes(slot);
+            let Some(wedge) = Wedge::new(&tree.triangles[slot], origin) else { continue };
+            let may_have_holes = tree.masks.may_have_holes(slot);
             for block in first..BLOCKS {
                 if !any(&alive[block]) {
                     continue;
@@ -311,7 +312,7 @@ pub(super) fn occluded(
                     meets[lane] &= is_inside(&weights, lane, wedge.thresholds);
                 }
                 if may_have_holes {
-                    pass_through_holes(&mut meets, &weights, masks, slot);
+                    pass_through_holes(&mut meets, &weights, tree.masks, slot);
                 }
                 for lane in 0..LANES {
                     alive[block][lane] &= !meets[lane];
@@ -437,28 +438,19 @@ impl Hits {
 
 /// The nearest hit of each of the `rays`; the other entries of `hits` say that nothing was met.
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn closest(
-    nodes: &[Node],
-    triangles: &[[Vec3; 3]],
-    masks: &Masks,
-    origin: Vec3,
-    packet: &Packet,
-    rays: u64,
-    hits: &mut Hits,
-    stack: &mut Stack,
-) {
+pub(super) fn closest(tree: Tree, origin: Vec3, packet: &Packet, rays: u64, hits: &mut Hits, stack: &mut Stack) {
     *hits = Hits::default();
     let alive = alive_from_bits(rays);
     stack.start();
-    while let Some((node, first)) = stack.next_leaf(nodes, origin, packet, &alive, &hits.distance) {
+    while let Some((node, first)) = stack.next_leaf(tree.nodes, origin, packet, &alive, &hits.distance) {
         for slot in node.first..node.first + node.count {
-            let Some(wedge) = Wedge::new(&triangles[slot as usize], origin) else { continue };
+            let Some(wedge) = Wedge::new(&tree.triangles[slot as usize], origin) else { continue };
             for block in first..BLOCKS {
                 if !any(&alive[block]) {
                     continue;
                 }
                 let weights = wedge.weights(&packet.direction[block]);
-                hits.keep_nearer(block, &alive[block], &weights, &wedge, slot, masks);
+                hits.keep_nearer(block, &alive[block], &weights, &wedge, slot, tree.masks);
             }
         }
     }

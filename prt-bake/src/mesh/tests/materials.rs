@@ -85,7 +85,8 @@ fn what_light_cannot_reach_needs_no_twin() {
     turned_inwards.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     assert_eq!(twins(turned_inwards), (12, 0));
     let mut open = cube_of(two_sided());
-    (open.triangles.truncate(11), open.face_material.truncate(11));
+    open.triangles.truncate(11);
+    open.face_material.truncate(11);
     assert_eq!(twins(open), (11, 0));
     let mut one_turned = cube_of(two_sided());
     one_turned.triangles[0].swap(1, 2);
@@ -93,7 +94,8 @@ fn what_light_cannot_reach_needs_no_twin() {
     let lattice = SurfaceMaterial { base_color: [1.0, 1.0, 1.0, 0.1], alpha_cutoff: Some(0.5), ..two_sided() };
     assert_eq!(twins(cube_of(lattice)), (12, 0));
     let mut half = cube_of(plain());
-    (half.materials.push(two_sided()), half.face_material[6..].fill(1));
+    half.materials.push(two_sided());
+    half.face_material[6..].fill(1);
     assert_eq!(twins(half), (0, 6), "one-sided faces stop light as well");
 }
 
@@ -101,7 +103,8 @@ fn what_light_cannot_reach_needs_no_twin() {
 fn one_part_closed_says_nothing_of_another() {
     let mut source = cube_of(two_sided());
     source.positions.extend([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
-    (source.triangles.push([8, 9, 10]), source.face_material.push(0));
+    source.triangles.push([8, 9, 10]);
+    source.face_material.push(0);
     let (mesh, report) = build(source);
     assert_eq!((mesh.twin_count(), report.faces_enclosed, mesh.triangles().len()), (1, 12, 14));
 }
@@ -113,7 +116,8 @@ fn materials_and_parts_follow_their_faces_when_others_are_dropped() {
     source.face_material.insert(1, 0);
     source.face_part.insert(1, 2);
     source.triangles.remove(0);
-    (source.face_material.remove(0), source.face_part.remove(0));
+    source.face_material.remove(0);
+    source.face_part.remove(0);
     let (mesh, report) = build(source);
     assert_eq!((report.degenerate, report.vertices_unused), (1, 3));
     assert_eq!((mesh.face_parts(), mesh.material_number(0), mesh.triangles()[0]), (&[1, 2][..], 1, [0, 1, 2]));
@@ -158,9 +162,12 @@ fn textures_are_held_once() {
     assert_eq!(build(without).0.memory_bytes(), textured - 8);
 }
 
+/// Spoils something of a source.
+type Spoil = fn(&mut MeshSource);
+
 #[test]
 fn wrong_numbers_are_errors() {
-    let cases: [(fn(&mut MeshSource), &str); 6] = [
+    let cases: [(Spoil, &str); 6] = [
         (|source| source.face_material = vec![0; 2], "2 materials for 3 faces"),
         (|source| source.face_part.push(0), "4 parts for 3 faces"),
         (|source| source.face_material[2] = 2, "face 2 has material 2, but there are 2"),
@@ -174,4 +181,33 @@ fn wrong_numbers_are_errors() {
         let error = Mesh::new(source, &MeshOptions::default()).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     }
+}
+
+#[test]
+#[cfg(feature = "trace")]
+fn whatever_decides_a_bake_is_in_the_fingerprint() {
+    let hash = |change: Spoil| {
+        let mut source = MeshSource { tints: vec![[0.5; 3]; 9], ..row() };
+        change(&mut source);
+        build(source).0.content_hash()
+    };
+    let plain = hash(|_| {});
+    let changes: [Spoil; 8] = [
+        |source| source.face_material[2] = 1,
+        |source| source.materials[0].two_sided = false,
+        |source| source.materials[1].alpha_cutoff = Some(0.5),
+        |source| source.materials[1].base_color[3] = 0.5,
+        |source| source.materials[1].texture = None,
+        |source| source.materials[1].texture.iter_mut().for_each(|map| map.rotation = 1.0),
+        |source| source.tints[3] = [0.25; 3],
+        |source| {
+            let other = Texture::new(2, 1, vec![[255, 1, 0, 255], [255; 4]], [TextureWrap::ClampToEdge; 2]);
+            source.materials[1].texture = Some(TextureMap::new(Arc::new(other)));
+        },
+    ];
+    for (number, change) in changes.into_iter().enumerate() {
+        assert_ne!(hash(change), plain, "change {number}");
+    }
+    let names = hash(|source| (source.parts[0], source.materials[0].name) = ("z".to_owned(), "y".to_owned()));
+    assert_eq!(names, plain, "names decide nothing");
 }
