@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::edges::smooth_neighbors;
 use super::layout::Layout;
 use super::raster::Raster;
 use super::trace::TexelBake;
@@ -18,7 +19,8 @@ use crate::{
 /// A texel whose centre lies on a face holds the transfer of the point of the surface there: its position and its smooth normal are
 /// interpolated, and rays start outside of the face, above it where the smooth normals make it bulge, so that the edges of a coarse mesh do
 /// not show in its own shadow. Texels that a bilinear lookup on a face can read but whose
-/// centre lies outside of the chart hold the transfer of the face's nearest point. Where faces overlap, the one with the lowest number is
+/// centre lies outside of the chart hold the transfer of the surface as far beyond the chart's edge, so that lookups on both sides of a
+/// cut agree; where the surface ends or has a crease, that of the face's nearest point. Where faces overlap, the one with the lowest number is
 /// baked; of a two-sided face its front is. Faces may be mirrored. Where faces leave 0 to 1 the atlas wraps round, as textures do.
 ///
 /// Shadowed transfer is that of [`bake_diffuse`] at these points. With `b` bounces the vertices are baked first, with `b − 1` of them, and
@@ -109,6 +111,7 @@ fn trace(
         layout,
         raster,
         scene: &scene,
+        neighbors: smooth_neighbors(layout),
         directions: &directions,
         shadowed: options.shadowed,
         validity: ValidityTest::new(&scene, layout.mesh),

@@ -6,6 +6,8 @@
 #[cfg(feature = "trace")]
 mod bake;
 mod coverage;
+#[cfg(feature = "trace")]
+mod edges;
 mod exr;
 mod grid;
 #[cfg(feature = "trace")]

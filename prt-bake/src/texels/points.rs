@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use super::layout::Layout;
-use super::triangle::{Nearest, nearest};
+use super::raster::{NO_FACE, ON_FACE};
+use super::triangle::{Nearest, beyond, nearest};
 use crate::Scene;
 use crate::diffuse::face_origin;
 use crate::mesh::unit_vector;
@@ -11,6 +12,9 @@ use crate::scene::{Hits, Packet, Stack};
 
 /// A point is lifted to the smooth surface only if there is this many times as much room: another surface may lie close above.
 const HEADROOM: f64 = 2.0;
+
+/// Most faces that are walked over from the edge of a chart to the centre of a texel.
+const MOST_STEPS: usize = 64;
 
 /// The points of a run of texels, as the direct pass takes them.
 #[derive(Debug, Default)]
@@ -22,26 +26,71 @@ pub(super) struct Points {
 }
 
 impl Points {
+    /// - `neighbors`: of each face, across the edge opposite to each corner; see [`smooth_neighbors`](super::edges::smooth_neighbors)
     /// - `texels`: each with its face
-    pub(super) fn new(layout: &Layout, scene: &Scene, texels: impl Iterator<Item = (usize, u32)>) -> Self {
+    pub(super) fn new(
+        layout: &Layout,
+        scene: &Scene,
+        neighbors: &[[u32; 3]],
+        texels: impl Iterator<Item = (usize, u32)>,
+    ) -> Self {
         let mut points = Self::default();
         for (texel, face) in texels {
-            let weights = weights(layout, texel, face as usize);
-            let normal = normal(layout, face as usize, weights);
-            points.origins.push(origin(layout, scene, face as usize, weights, normal));
+            let (face, weights) = place(layout, neighbors, texel, face as usize);
+            let normal = normal(layout, face, weights);
+            points.origins.push(origin(layout, scene, face, weights, normal));
             points.normals.push(normal.as_vec3().to_array());
         }
         points
     }
 }
 
-/// Weights of the face's corners at the point that is nearest to the centre of a texel.
-fn weights(layout: &Layout, texel: usize, face: usize) -> [f64; 3] {
+/// The face, and the weights of its corners, at the point that a texel stands for: the one below its centre, or if that lies off the chart,
+/// as far across the edge on the next face; where the surface ends or has a crease, the nearest point.
+fn place(layout: &Layout, neighbors: &[[u32; 3]], texel: usize, face: usize) -> (usize, [f64; 3]) {
     let corners = layout.corners(face);
-    copies(layout, texel)
-        .map(|center| nearest(corners, center))
-        .min_by(|a: &Nearest, b: &Nearest| a.distance_squared.total_cmp(&b.distance_squared))
-        .map_or([1.0, 0.0, 0.0], |found| found.weights)
+    let found = copies(layout, texel).map(|center| (nearest(corners, center), center));
+    let by_distance =
+        |a: &(Nearest, DVec2), b: &(Nearest, DVec2)| a.0.distance_squared.total_cmp(&b.0.distance_squared);
+    let Some((found, center)) = found.min_by(by_distance) else { return (face, [1.0, 0.0, 0.0]) };
+    if found.distance_squared <= ON_FACE * ON_FACE {
+        return (face, found.weights);
+    }
+    walk(layout, neighbors, face, corners, center)
+}
+
+/// Walks from a face to a point in its plane, over the edges where the surface goes on smoothly, and turns the plane with each face. Ends in
+/// the face that the point then lies in, or at the nearest point of the last one.
+///
+/// - `corners`: of the face, in any affine picture of its plane
+fn walk(
+    layout: &Layout,
+    neighbors: &[[u32; 3]],
+    mut face: usize,
+    mut corners: [DVec2; 3],
+    mut point: DVec2,
+) -> (usize, [f64; 3]) {
+    for _ in 0..MOST_STEPS {
+        match beyond(corners, point) {
+            Some((k, weights)) if neighbors[face][k] != NO_FACE => {
+                let next = neighbors[face][k] as usize;
+                (corners, point) = unrolled(layout, face, k, weights, next);
+                face = next;
+            }
+            _ => break,
+        }
+    }
+    (face, nearest(corners, point).weights)
+}
+
+/// The corners of the next face and a point in the plane of a face, both planes unrolled about their common edge, which is opposite to
+/// corner `k`: it lies along x, and the next face above it.
+fn unrolled(layout: &Layout, face: usize, k: usize, weights: [f64; 3], next: usize) -> ([DVec2; 3], DVec2) {
+    let own = corners(layout, face);
+    let (a, b) = (own[(k + 1) % 3], own[(k + 2) % 3]);
+    let along = unit_vector(b - a);
+    let flat = |point: DVec3| DVec2::new((point - a).dot(along), (point - a).reject_from(along).length());
+    (corners(layout, next).map(flat), flat(blend(weights, own)))
 }
 
 /// The centre of a texel, and where the atlas wraps round its copies near the atlas: a face that begins on it may end one size further.

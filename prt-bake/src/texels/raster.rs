@@ -14,7 +14,7 @@ pub(super) const NO_FACE: u32 = u32::MAX;
 const LOOKUP_REACH: f64 = std::f64::consts::SQRT_2;
 
 /// A centre within this of a face counts as on it: much more than the rounding of places on the largest atlas, which is 1e-12.
-const ON_FACE: f64 = 1e-6;
+pub(super) const ON_FACE: f64 = 1e-6;
 
 /// A centre this near to an edge counts as lying on it when overlaps are looked for: more than the rounding of a texture coordinate in
 /// `f32` on the largest atlas, which is 1e-3 texels.

@@ -1,18 +1,13 @@
 //! Whether the two sides of a cut in the atlas agree.
 
-use std::collections::BTreeMap;
-
-use glam::{DVec2, Vec3};
+use glam::DVec2;
 
 use super::TexelTransfer;
+use super::edges::{Side, edges, is_smooth};
 use super::layout::Layout;
-use crate::mesh::weld_positions;
 
 /// Two places of a vertex on the atlas that are nearer than this, in texels, are one.
 const SAME_PLACE: f64 = 1e-3;
-
-/// Normals whose cosine is above this are those of a smooth surface; transfer on the two sides of a crease differs by right.
-const SMOOTH_COSINE: f32 = 0.9998;
 
 /// Most points of an edge that are compared.
 const MAX_SAMPLES: usize = 256;
@@ -27,14 +22,11 @@ pub(super) struct SeamCheck {
     pub(super) max: f64,
 }
 
-/// One side of an edge: its two vertices, in the order of the welded numbers.
-type Side = [u32; 2];
-
 /// Compares bilinear lookups at matching points of both sides of every smooth cut, about one a texel.
 pub(super) fn check(atlas: &TexelTransfer, layout: &Layout) -> SeamCheck {
     let mut sums = Sums::default();
     for sides in edges(layout).values() {
-        let &[first, second] = sides.as_slice() else { continue };
+        let [first, second] = sides.as_slice() else { continue };
         if is_cut(layout, first, second) && is_smooth(layout, first, second) {
             sums.edges += 1;
             compare(atlas, layout, [first, second], &mut sums);
@@ -43,35 +35,16 @@ pub(super) fn check(atlas: &TexelTransfer, layout: &Layout) -> SeamCheck {
     sums.finish()
 }
 
-/// The sides of each edge, by the welded numbers of its ends.
-fn edges(layout: &Layout) -> BTreeMap<Side, Vec<Side>> {
-    let welded = weld_positions(layout.mesh.positions());
-    let mut edges = BTreeMap::<Side, Vec<Side>>::new();
-    for &triangle in layout.mesh.original_triangles() {
-        for k in 0..3 {
-            let mut side = [triangle[k], triangle[(k + 1) % 3]];
-            side.sort_by_key(|&vertex| welded[vertex as usize]);
-            edges.entry(side.map(|vertex| welded[vertex as usize])).or_default().push(side);
-        }
-    }
-    edges
-}
-
-fn is_cut(layout: &Layout, first: Side, second: Side) -> bool {
+fn is_cut(layout: &Layout, first: &Side, second: &Side) -> bool {
     let size = layout.grid.size();
     [0, 1].iter().any(|&end| {
-        let [a, b] = [first, second].map(|side| layout.grid.place(layout.uv(side[end])));
+        let [a, b] = [first, second].map(|side| layout.grid.place(layout.uv(side.vertices[end])));
         let mut apart = (a - b).abs();
         for axis in (0..2).filter(|&axis| layout.grid.wraps[axis]) {
             apart[axis] -= size[axis] * (apart[axis] / size[axis]).round();
         }
         apart.abs().max_element() > SAME_PLACE
     })
-}
-
-fn is_smooth(layout: &Layout, first: Side, second: Side) -> bool {
-    let normal = |vertex: u32| Vec3::from_array(layout.mesh.normals()[vertex as usize]);
-    [0, 1].iter().all(|&end| normal(first[end]).dot(normal(second[end])) > SMOOTH_COSINE)
 }
 
 /// Running sums over the points that are compared.
@@ -95,8 +68,8 @@ impl Sums {
     }
 }
 
-fn compare(atlas: &TexelTransfer, layout: &Layout, sides: [Side; 2], sums: &mut Sums) {
-    let places = sides.map(|side| side.map(|vertex| layout.grid.place(layout.uv(vertex))));
+fn compare(atlas: &TexelTransfer, layout: &Layout, sides: [&Side; 2], sums: &mut Sums) {
+    let places = sides.map(|side| side.vertices.map(|vertex| layout.grid.place(layout.uv(vertex))));
     let longest = places.map(|[from, to]| from.distance(to)).into_iter().fold(0.0, f64::max);
     let count = (longest.ceil() as usize).clamp(1, MAX_SAMPLES);
     for k in 0..count {

@@ -20,6 +20,8 @@ pub(super) struct TexelBake<'a> {
     pub(super) layout: &'a Layout<'a>,
     pub(super) raster: &'a Raster,
     pub(super) scene: &'a Scene,
+    /// See [`smooth_neighbors`](super::edges::smooth_neighbors).
+    pub(super) neighbors: Vec<[u32; 3]>,
     pub(super) directions: &'a DirectionSet,
     pub(super) shadowed: bool,
     pub(super) validity: ValidityTest<'a>,
@@ -90,7 +92,7 @@ impl TexelBake<'_> {
 
     fn points(&self, texels: impl IntoIterator<Item = usize>) -> Points {
         let with_face = texels.into_iter().map(|texel| (texel, self.raster.faces[texel]));
-        Points::new(self.layout, self.scene, with_face.filter(|&(_, face)| face != NO_FACE))
+        Points::new(self.layout, self.scene, &self.neighbors, with_face.filter(|&(_, face)| face != NO_FACE))
     }
 
     fn direct<'b>(&'b self, points: &'b Points) -> DirectPass<'b> {

@@ -24,6 +24,16 @@ pub(super) fn nearest(corners: [DVec2; 3], point: DVec2) -> Nearest {
     on_edges.into_iter().min_by(|p, q| p.distance_squared.total_cmp(&q.distance_squared)).unwrap_or(on_edges[0])
 }
 
+/// The edge that a point lies farthest beyond, by its opposite corner, and the weights of the corners at the point, of which that one is
+/// negative; `None` inside.
+pub(super) fn beyond(corners: [DVec2; 3], point: DVec2) -> Option<(usize, [f64; 3])> {
+    let spanned = spanned_areas(corners, point);
+    let depth = |k: usize| spanned[k] / corners[(k + 1) % 3].distance(corners[(k + 2) % 3]);
+    let k = (0..3).min_by(|&j, &k| depth(j).total_cmp(&depth(k)))?;
+    let sum: f64 = spanned.iter().sum();
+    (spanned[k] < 0.0).then(|| (k, spanned.map(|area| area / sum)))
+}
+
 /// Twice the areas that a point spans with the edges, each opposite to its corner; positive on the inner side.
 fn spanned_areas(corners: [DVec2; 3], point: DVec2) -> [f64; 3] {
     let [a, b, c] = corners;
