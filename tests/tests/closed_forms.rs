@@ -274,7 +274,7 @@ fn a_ball_in_a_hemisphere() {
         .add(icosphere(DVec3::ZERO, radius, 4), WHITE)
         .build()
         .unwrap();
-    let baked = bake(&mesh, 2, 16384, 0);
+    let baked = bake(&mesh, 2, 8192, 0);
     let bowl_count = bowl(90.0, 32).0.len();
     // From the bottom the opening has the configuration factor sin² 45°, and the ball in front of it sin² of its half angle.
     let bottom = under_constant_light(&baked.transfer, 0);
@@ -371,7 +371,6 @@ fn where_coarse_faces_rise_above_the_tangent_plane_they_hide_little() {
         let squares: Vec<f64> = (0..around * across).map(square).collect();
         let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         let worst = squares.iter().copied().fold(0.0, f64::max).sqrt();
-        println!("{rms} {worst}");
         assert!(rms < bound && rms > 0.2 * bound && worst < 0.04, "{around} x {across}: {rms}, worst {worst}");
     }
 }

@@ -85,7 +85,8 @@ fn scaling_by_powers_of_two_changes_no_bit_of_transfer() {
 
 #[test]
 fn size_and_place_change_transfer_by_no_more_than_rounding() {
-    let options = BakeOptions { bounces: 1, ..options(4, 256) };
+    // Vertices inside keep their own: what they are filled from is weighted by distances in the file, whose positions are f32.
+    let options = BakeOptions { bounces: 1, inside: InsidePolicy::Keep, ..options(4, 256) };
     let reference = bake(&scene(), &options).0.transfer.values;
     for (scale, offset) in [(1e-6, 0.0), (1e6, 0.0), (3.0, 0.0), (1.0, 1e6), (1e-3, 1.0), (7e5, -1e6), (1e30, 0.0)] {
         let mesh = moved(&scene(), |position| position * scale + offset);
@@ -222,8 +223,8 @@ fn one_triangle_and_one_vertex_used_by_many() {
         let (baked, _) = bake(&cleaned(single.clone()).0, &options(n, 64));
         assert_eq!(baked.transfer, baked.unshadowed());
     }
-    // A cone of 20,000 faces about its tip, and the same turned inside out: a funnel.
-    let count = 20_000;
+    // A cone of 2,000 faces about its tip, and the same turned inside out: a funnel.
+    let count = 2_000;
     for tip in [1.0, -1.0] {
         let rim = (0..count).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(count));
         let mut positions: Vec<[f64; 3]> = rim.map(|angle| [angle.cos(), angle.sin(), 0.0]).collect();
@@ -326,8 +327,7 @@ fn subdivided(path: &Path, times: u32) -> Mesh {
         };
         triangles = triangles.iter().flat_map(split).collect();
     }
-    let normals = vec![[0.0, 0.0, 1.0]; positions.len()];
-    cleaned(MeshSource { positions, normals, triangles, ..MeshSource::default() }).0
+    cleaned(MeshSource { positions, triangles, ..MeshSource::default() }).0
 }
 
 #[test]
@@ -337,8 +337,8 @@ fn a_million_triangles_bake() {
     assert!(mesh.triangles().len() > 1_400_000, "{}", mesh.triangles().len());
     let (baked, report) = bake(&mesh, &options(1, 1));
     assert!(is_finite(&baked));
-    // All turn up, whatever the faces do: half of them see into their own surface.
-    assert!((0.3..0.7).contains(&report.occluded_share), "{}", report.occluded_share);
+    // At the vertices of the mesh that was split 0.154 of the directions are occluded; its shape is the same.
+    assert!((0.1..0.2).contains(&report.occluded_share), "{}", report.occluded_share);
 }
 
 proptest! {

@@ -57,7 +57,9 @@ pub struct BakeReport {
 ///
 /// The back of a face occludes and reflects nothing, unless the face has a twin; see [`Mesh`]. Rays pass through the holes of materials
 /// (see [`SurfaceMaterial`](crate::SurfaceMaterial)), and what a point reflects has the colour of its texture there. Where the smooth normal sees below the true surface, the
-/// surface itself occludes, so there is no light from below but the shadow terminator can show on coarse meshes.
+/// surface itself occludes. That never happens at the vertices of convex parts, which lie below the tangent plane: there coarse meshes are
+/// exact. In the hole of a torus of 48 × 24 vertices coarse faces change transfer by 1.4e-3 (root mean square over the torus), of 24 × 12 by 4.6e-3,
+/// of 12 × 6 by 1.4e-2; `tests/tests/closed_forms.rs` asserts it. Vertices inside of solids are treated as [`BakeOptions::inside`] says.
 ///
 /// # Errors
 /// If an option is out of range, or the caller cancels.
