@@ -73,4 +73,28 @@ fn reports_that_cannot_be_written_are_refused_before_baking() {
     place.refuses(&["bake", "scene.obj", "--report", "scene.obj"], 2, &["--report", ".html"]);
     place.refuses(&["bake", "scene.obj", "--report", "no/page.html"], 1, &["cannot write no/page.html", "no folder"]);
     place.refuses(&["bake", "scene.obj", "-o", "a.html", "--report=a.html"], 1, &["a.html", "baked file"]);
+    place.refuses(&["bake", "scene.obj", "--part", "1/2", "--report"], 2, &["whole bakes"]);
+    fs::copy(place.path("scene.obj"), place.path("other.obj")).unwrap();
+    place.refuses(&["bake", "scene.obj", "other.obj", "--report", "a.html"], 2, &["folder"]);
+    place.refuses(&["bake", "bumps", "--report"], 2, &["vertices of meshes"]);
+    place.refuses(&["bake", "scene.obj", "--texels", "8", "--report"], 2, &["vertices of meshes"]);
+}
+
+#[test]
+fn each_of_several_scenes_has_its_report_and_what_is_up_to_date_keeps_it() {
+    let place = Place::new();
+    place.write_scene();
+    fs::copy(place.path("scene.obj"), place.path("other.obj")).unwrap();
+    let bake = ["bake", "scene.obj", "other.obj", "--rays", "16", "--update", "--report"];
+    place.json(&bake);
+    for name in ["scene.report.html", "scene.report.json", "other.report.html", "other.report.json"] {
+        assert!(place.path(name).exists(), "{name}");
+    }
+    let first: Value = serde_json::from_str(&read(&place, "scene.report.json")).unwrap();
+    fs::remove_file(place.path("other.report.html")).unwrap();
+    place.json(&bake);
+    assert_eq!(first, serde_json::from_str::<Value>(&read(&place, "scene.report.json")).unwrap());
+    assert_eq!(first["up_to_date"], false);
+    let other: Value = serde_json::from_str(&read(&place, "other.report.json")).unwrap();
+    assert_eq!(other["up_to_date"], true, "made from the file, for it was lost");
 }

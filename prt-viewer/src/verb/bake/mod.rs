@@ -141,6 +141,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Err(output::usage("--bounces needs shadowed transfer: leave out --unshadowed"));
     }
     let origins: Vec<Origin> = arguments.scenes.iter().filter_map(|scene| Origin::of(scene)).collect();
+    if arguments.reporting.is_asked_for() && (arguments.texels.is_some() || !origins.is_empty()) {
+        return Err(output::usage("--report is for the vertices of meshes, not for texels and height fields"));
+    }
     match (arguments.scenes.as_slice(), origins.as_slice()) {
         ([scene], [origin]) => run_patch(arguments, scene, origin),
         (_, [_, ..]) => Err(output::usage("height fields are baked one at a time")),

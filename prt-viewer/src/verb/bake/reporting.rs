@@ -16,6 +16,10 @@ pub(super) struct Reporting {
 }
 
 impl Reporting {
+    pub(super) fn is_asked_for(&self) -> bool {
+        self.report.is_some()
+    }
+
     /// Fails before the work if a report could not be written, or not for each of several bakes.
     pub(super) fn check(
         &self,
