@@ -51,7 +51,13 @@ pub struct BakeOptions {
     pub order: Order,
     /// Directions over the hemisphere above each vertex; 1 to [`BakeOptions::MAX_RAYS`]. The one set of directions that all vertices share has twice
     /// as many over the sphere, rounded up to a multiple of 64.
+    ///
+    /// With [`target_error`](Self::target_error) this is the most that a vertex may use, all its levels together; at least
+    /// [`BakeOptions::FEWEST_ADAPTIVE_RAYS`] are.
     pub rays_per_vertex: usize,
+    /// Estimated error at which a vertex is done, of its shadowed transfer vector, relative to the length of the unshadowed one. `None`
+    /// gives every vertex the same rays. See [`bake_diffuse`](crate::bake_diffuse).
+    pub target_error: Option<f64>,
     /// Whether surfaces shadow one another. Without, transfer follows from the normals alone, exactly, and no ray is traced.
     pub shadowed: bool,
     /// Diffuse interreflections that are followed; 0 is direct light alone. Needs `shadowed`.
@@ -72,6 +78,8 @@ pub struct BakeOptions {
 impl BakeOptions {
     /// Largest order that is baked: 1,024 coefficients.
     pub const MAX_ORDER: usize = 32;
+    /// Fewest rays of a vertex whose error is estimated: below, there is nothing to stop early.
+    pub const FEWEST_ADAPTIVE_RAYS: usize = 2 * 128;
     /// Most rays per vertex.
     pub const MAX_RAYS: usize = 1 << 20;
     /// Most bounces: at albedo 0.98 light is down to a hundredth.
@@ -91,6 +99,9 @@ impl BakeOptions {
         }
         if !(1..=Self::MAX_RAYS).contains(&self.rays_per_vertex) {
             return fail(format!("{} rays per vertex; 1 to {} are possible", self.rays_per_vertex, Self::MAX_RAYS));
+        }
+        if let Some(error) = self.target_error.filter(|error| !(*error > 0.0 && *error <= 1.0)) {
+            return fail(format!("a target error of {error}; it is above 0 and at most 1"));
         }
         if self.bounces > Self::MAX_BOUNCES {
             return fail(format!("{} bounces; at most {} are possible", self.bounces, Self::MAX_BOUNCES));
@@ -117,6 +128,7 @@ impl Default for BakeOptions {
         Self {
             order: order(6),
             rays_per_vertex: 4096,
+            target_error: None,
             shadowed: true,
             bounces: 0,
             bounce_threshold: None,
