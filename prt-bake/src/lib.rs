@@ -48,7 +48,8 @@ mod zonal;
 
 #[cfg(feature = "trace")]
 pub use diffuse::{
-    BakeReport, LevelCount, OrderReport, Savings, TimePlan, VertexStats, bake_diffuse, error_for_time, recommend_order,
+    BakeReport, LevelCount, OrderReport, Savings, TimePlan, VertexSample, VertexStats, bake_diffuse, bake_vertices,
+    error_for_time, recommend_order,
 };
 pub use environment::Environment;
 pub use error::Error;

@@ -52,11 +52,17 @@ pub struct BakeOptions {
     /// Directions over the hemisphere above each vertex; 1 to [`BakeOptions::MAX_RAYS`]. The one set of directions that all vertices share has twice
     /// as many over the sphere, rounded up to a multiple of 64.
     ///
-    /// With [`target_error`](Self::target_error) this is the most that a vertex may use, all its levels together; at least
-    /// [`BakeOptions::FEWEST_ADAPTIVE_RAYS`] are.
+    /// With [`target_error`](Self::target_error) it is the finest set of directions that a vertex is given: no vertex is done better than
+    /// this count would do it.
     pub rays_per_vertex: usize,
-    /// Estimated error at which a vertex is done, of its shadowed transfer vector, relative to the length of the unshadowed one. `None`
-    /// gives every vertex the same rays. See [`bake_diffuse`](crate::bake_diffuse).
+    /// Estimated error at which a vertex is done, of its shadowed transfer vector, relative to the length of the unshadowed one; above 0, at
+    /// most 1. `None` gives every vertex all of its rays.
+    ///
+    /// A vertex begins with about half the inverse of this number of directions, so that what they all miss weighs less than the error. If
+    /// nothing is occluded, or all, it is done. Otherwise it is given finer sets, each with two or four times as many directions; where
+    /// neighbouring directions of the coarser set agree, a finer one is taken to agree with them, and only around outlines are rays traced.
+    /// Two sets that differ little end the work, with the mean of all, weighted by variance. What cannot be seen by this: an occluder that
+    /// slips between the coarsest directions, and what light reflected by it would add.
     pub target_error: Option<f64>,
     /// Whether surfaces shadow one another. Without, transfer follows from the normals alone, exactly, and no ray is traced.
     pub shadowed: bool,
@@ -78,8 +84,6 @@ pub struct BakeOptions {
 impl BakeOptions {
     /// Largest order that is baked: 1,024 coefficients.
     pub const MAX_ORDER: usize = 32;
-    /// Fewest rays of a vertex whose error is estimated: below, there is nothing to stop early.
-    pub const FEWEST_ADAPTIVE_RAYS: usize = 2 * 128;
     /// Most rays per vertex.
     pub const MAX_RAYS: usize = 1 << 20;
     /// Most bounces: at albedo 0.98 light is down to a hundredth.

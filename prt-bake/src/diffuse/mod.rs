@@ -2,14 +2,19 @@
 //!
 //! `T = 1/π ∫ V(s) max(n·s, 0) y(s) ds`, plus what other surfaces reflect towards the point. Source: [SKS02](sh_core#references) sections 4.1 and 5.
 
+mod adaptive;
 mod bounce;
 mod budget;
 mod direct;
+mod guide;
 mod hit;
 mod inside;
+mod ladder;
 mod nearest;
 mod origin;
+mod pilot;
 mod probe;
+mod projection;
 mod recommend;
 mod savings;
 mod stats;
@@ -23,7 +28,9 @@ pub use budget::{TimePlan, error_for_time};
 pub(crate) use direct::{DirectPass, Scratch, add_scaled};
 pub(crate) use hit::HitRecord;
 pub(crate) use inside::InsidePlan;
+pub(crate) use ladder::Ladder;
 pub(crate) use origin::{face_origin, ray_origins};
+pub use pilot::{VertexSample, bake_vertices};
 pub(crate) use probe::ErrorProbe;
 pub use recommend::{OrderReport, recommend_order};
 pub use savings::{LevelCount, Savings};
