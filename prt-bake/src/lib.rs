@@ -47,7 +47,10 @@ mod transfer;
 mod zonal;
 
 #[cfg(feature = "trace")]
-pub use diffuse::{BakeReport, VertexStats, bake_diffuse};
+pub use diffuse::{
+    BakeReport, LevelCount, OrderReport, Savings, TimePlan, VertexSample, VertexStats, bake_diffuse, bake_vertices,
+    error_for_time, recommend_order,
+};
 pub use environment::Environment;
 pub use error::Error;
 pub use file::{

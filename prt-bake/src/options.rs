@@ -51,7 +51,19 @@ pub struct BakeOptions {
     pub order: Order,
     /// Directions over the hemisphere above each vertex; 1 to [`BakeOptions::MAX_RAYS`]. The one set of directions that all vertices share has twice
     /// as many over the sphere, rounded up to a multiple of 64.
+    ///
+    /// With [`target_error`](Self::target_error) it is the finest set of directions that a vertex is given: no vertex is done better than
+    /// this count would do it.
     pub rays_per_vertex: usize,
+    /// Estimated error at which a vertex is done, of its shadowed transfer vector, relative to the length of the unshadowed one; above 0, at
+    /// most 1. `None` gives every vertex all of its rays.
+    ///
+    /// A vertex begins with about half the inverse of this number of directions, so that what they all miss weighs less than the error. If
+    /// nothing is occluded, or all, it is done. Otherwise it is given finer sets, each with two or four times as many directions; where
+    /// neighbouring directions of the coarser set agree, a finer one is taken to agree with them, and only around outlines are rays traced.
+    /// Two sets that differ little end the work, with the mean of all, weighted by variance. What cannot be seen by this: an occluder that
+    /// slips between the coarsest directions, and what light reflected by it would add.
+    pub target_error: Option<f64>,
     /// Whether surfaces shadow one another. Without, transfer follows from the normals alone, exactly, and no ray is traced.
     pub shadowed: bool,
     /// Diffuse interreflections that are followed; 0 is direct light alone. Needs `shadowed`.
@@ -92,6 +104,9 @@ impl BakeOptions {
         if !(1..=Self::MAX_RAYS).contains(&self.rays_per_vertex) {
             return fail(format!("{} rays per vertex; 1 to {} are possible", self.rays_per_vertex, Self::MAX_RAYS));
         }
+        if let Some(error) = self.target_error.filter(|error| !(*error > 0.0 && *error <= 1.0)) {
+            return fail(format!("a target error of {error}; it is above 0 and at most 1"));
+        }
         if self.bounces > Self::MAX_BOUNCES {
             return fail(format!("{} bounces; at most {} are possible", self.bounces, Self::MAX_BOUNCES));
         }
@@ -117,6 +132,7 @@ impl Default for BakeOptions {
         Self {
             order: order(6),
             rays_per_vertex: 4096,
+            target_error: None,
             shadowed: true,
             bounces: 0,
             bounce_threshold: None,

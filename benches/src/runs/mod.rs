@@ -45,7 +45,7 @@ pub const RUNS: &[Run] = &[
     },
     Run {
         name: "prt/error-against-rays",
-        what: "error and time of shadowed transfer for 64 to 16,384 rays [MESH]",
+        what: "error of shadowed transfer against rays and time, for fixed counts and target errors, five meshes, with plots [MESH]",
         run: error_against_rays::run,
     },
     Run {

@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::ladder::{Ladder, Rung};
+use super::projection::ProjectionScratch;
 use super::{HitRecord, VertexStats};
-use crate::sampling::{DirectionSet, PACKET_SIZE};
+use crate::sampling::PACKET_SIZE;
 use crate::scene::{Hits, Packet, Stack};
 use crate::transfer::unshadowed_vector;
 use crate::{Mesh, Scene};
@@ -13,7 +15,7 @@ use crate::{Mesh, Scene};
 pub(crate) struct DirectPass<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) scene: &'a Scene,
-    pub(crate) directions: &'a DirectionSet,
+    pub(crate) ladder: &'a Ladder,
     pub(crate) normals: &'a [[f32; 3]],
     /// Origins of the rays, in the frame that is traced in.
     pub(crate) origins: &'a [Vec3],
@@ -22,80 +24,138 @@ pub(crate) struct DirectPass<'a> {
 /// Memory that a thread uses again for each vertex.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    /// `Δω / π`, scaled so that the weights of all rays of the vertex, `max(n·s, 0) Δω / π`, add up to 1. Then a vertex that sees
-    /// nothing is black, and none receives more than there is.
-    solid_angle: f64,
+    /// What is seen along the directions of each rung of the ladder.
+    pub(super) seen: Vec<Seen>,
+    /// The rung that the vertex ended on.
+    pub(super) last: usize,
     /// The sum, `[n²]`.
-    vector: Vec<f64>,
-    /// For each packet of directions the rays above the horizon.
-    above: Vec<u64>,
-    /// For each packet of directions the rays above the horizon that were found to be occluded.
-    occluded: Vec<u64>,
+    pub(super) vector: Vec<f64>,
+    /// The sum of the rungs before, `[n²]`.
+    pub(super) before: Vec<f64>,
+    /// Directions that no ray has answered.
+    guessed: Vec<u64>,
+    /// Directions that need a ray.
+    unknown: Vec<u64>,
+    /// Directions that a ray found occluded.
+    found: Vec<u64>,
+    projection: ProjectionScratch,
     stack: Stack,
     hits: Hits,
 }
 
+/// What is seen from a vertex along a set of directions.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// `Δω / π`, scaled so that the weights of all directions, `max(n·s, 0) Δω / π`, add up to 1. Then a vertex that sees nothing is
+    /// black, and none receives more than there is.
+    solid_angle: f64,
+    /// For each packet of directions those above the horizon.
+    above: Vec<u64>,
+    /// For each packet of directions those above the horizon that are occluded.
+    occluded: Vec<u64>,
+}
+
+impl Seen {
+    /// No direction is occluded.
+    pub(super) fn is_open(&self) -> bool {
+        self.occluded.iter().all(|&word| word == 0)
+    }
+
+    /// All directions are occluded.
+    pub(super) fn is_blocked(&self) -> bool {
+        self.occluded == self.above
+    }
+
+    pub(super) fn stats(&self, rays: u32, error: f32) -> VertexStats {
+        let (directions, occluded) = (bits(&self.above), bits(&self.occluded));
+        VertexStats { directions, occluded, rays, error, ..VertexStats::default() }
+    }
+}
+
 impl DirectPass<'_> {
     pub(crate) fn scratch(&self) -> Scratch {
-        let coeff_count = self.directions.basis.len() / self.directions.directions.len();
-        Scratch { vector: vec![0.0; coeff_count], ..Scratch::default() }
+        Scratch::default()
     }
 
     /// The shadowed transfer vector of a vertex: the unshadowed one less the occluded directions.
     pub(crate) fn shadowed_vector(&self, scratch: &mut Scratch, vertex: usize, out: &mut [f32]) -> VertexStats {
-        let normal = Vec3::from_array(self.normals[vertex]);
-        let stats = self.trace(scratch, vertex);
-        if stats.occluded == stats.directions {
-            // Black, and not the error of the quadrature.
-            out.fill(0.0);
-            return stats;
-        }
-        let order = self.directions.order;
-        unshadowed_vector(order, self.normals[vertex], &mut scratch.vector);
-        for ray in set_bits(&scratch.occluded) {
-            let row = &self.directions.basis[ray * order.coeff_count()..][..order.coeff_count()];
-            add_scaled(&mut scratch.vector, row, -scratch.solid_angle * self.cosine(normal, ray));
-        }
+        let rung_count = self.ladder.rungs.len();
+        scratch.seen.resize_with(rung_count.max(scratch.seen.len()), Seen::default);
+        scratch.vector.resize(self.ladder.order.coeff_count(), 0.0);
+        let stats = match self.ladder.target_error {
+            Some(error) => self.refine(scratch, vertex, error),
+            None => {
+                let rays = self.look(scratch, vertex, 0, None);
+                self.project(scratch, vertex, 0);
+                scratch.last = 0;
+                scratch.seen[0].stats(rays, f32::NAN)
+            }
+        };
         out.iter_mut().zip(&scratch.vector).for_each(|(value, &sum)| *value = sum as f32);
         stats
     }
 
-    fn cosine(&self, normal: Vec3, ray: usize) -> f64 {
-        f64::from(normal.dot(self.directions.directions[ray]).max(0.0))
-    }
-
-    /// Finds the occluded directions above the horizon of a vertex.
-    fn trace(&self, scratch: &mut Scratch, vertex: usize) -> VertexStats {
-        let normal = Vec3::from_array(self.normals[vertex]);
-        scratch.above.clear();
-        let mut cosines = 0.0;
-        for directions in self.directions.directions.chunks(PACKET_SIZE) {
-            let (above, cosine_sum) = above_horizon(normal, directions);
-            cosines += f64::from(cosine_sum);
-            scratch.above.push(above);
+    /// Finds which directions of a rung are occluded; with a coarser rung only where that leaves a doubt. Returns the number of rays.
+    pub(super) fn look(&self, scratch: &mut Scratch, vertex: usize, rung: usize, coarser: Option<usize>) -> u32 {
+        let Scratch { seen, guessed, unknown, found, stack, .. } = scratch;
+        let Rung { directions, guides, neighbors, .. } = &self.ladder.rungs[rung];
+        let (coarse, fine) = seen.split_at_mut(rung);
+        let Seen { solid_angle, above, occluded } = &mut fine[0];
+        *solid_angle = all_above_horizon(self.normals[vertex], &directions.directions, above);
+        let origin = self.origins[vertex];
+        let guide = coarser.and_then(|coarser| Some((&coarse[coarser], guides[rung - coarser - 1].as_ref()?)));
+        let Some((coarse, guide)) = guide else {
+            return self.scene.occluded_directions(origin, directions, above, stack, occluded);
+        };
+        guide.guess([&coarse.above, &coarse.occluded], above, occluded, unknown);
+        let mut rays = self.scene.occluded_directions(origin, directions, unknown, stack, found);
+        occluded.iter_mut().zip(&*found).for_each(|(occluded, found)| *occluded |= found);
+        // Outlines are followed to where the coarse directions did not see them: no guess stays beside its opposite.
+        guessed.clear();
+        guessed.extend(above.iter().zip(&*unknown).map(|(above, unknown)| above & !unknown));
+        while neighbors.doubt([above, occluded], guessed, unknown) {
+            rays += self.scene.occluded_directions(origin, directions, unknown, stack, found);
+            for (((occluded, guessed), unknown), found) in
+                occluded.iter_mut().zip(&mut *guessed).zip(&*unknown).zip(&*found)
+            {
+                *occluded = *occluded & !unknown | found;
+                *guessed &= !unknown;
+            }
         }
-        scratch.solid_angle = 1.0 / cosines;
-        let (origin, above) = (self.origins[vertex], &scratch.above);
-        let rays =
-            self.scene.occluded_directions(origin, self.directions, above, &mut scratch.stack, &mut scratch.occluded);
-        VertexStats { directions: bits(above), occluded: bits(&scratch.occluded), rays, ..VertexStats::default() }
+        rays
     }
 
-    /// The nearest hits along the directions that `shadowed_vector` has just found occluded; returns the number of rays. Hits on the
-    /// back of a face are left out: they reflect nothing.
+    /// Leaves the transfer vector of what is seen on a rung in `scratch.vector`. Exact if all or nothing is occluded.
+    pub(super) fn project(&self, scratch: &mut Scratch, vertex: usize, rung: usize) {
+        let Scratch { seen, vector, projection, .. } = scratch;
+        let Seen { solid_angle, occluded, .. } = &seen[rung];
+        if seen[rung].is_blocked() {
+            return vector.fill(0.0);
+        }
+        unshadowed_vector(self.ladder.order, self.normals[vertex], vector);
+        let Rung { directions, projection: basis, .. } = &self.ladder.rungs[rung];
+        let normal = Vec3::from_array(self.normals[vertex]);
+        basis.add(projection, &directions.directions, normal, occluded, -solid_angle, vector);
+    }
+
+    /// The nearest hits along the directions that `shadowed_vector` has just found occluded, of the last set of directions that it used;
+    /// returns the number of rays. Hits on the back of a face are left out: they reflect nothing.
     pub(crate) fn nearest_hits(&self, scratch: &mut Scratch, vertex: usize, records: &mut Vec<HitRecord>) -> u32 {
         let normal = Vec3::from_array(self.normals[vertex]);
+        let Scratch { seen, last, hits, stack, .. } = scratch;
+        let Seen { solid_angle, occluded, .. } = &seen[*last];
+        let directions = &self.ladder.rungs[*last].directions;
         let mut rays = 0;
-        for (number, packet) in self.directions.packets.iter().enumerate() {
-            let occluded = scratch.occluded[number];
+        for ((number, packet), &occluded) in directions.packets.iter().enumerate().zip(occluded) {
             if occluded == 0 {
                 continue;
             }
             rays += occluded.count_ones();
-            self.scene.closest_packet(self.origins[vertex], packet, occluded, &mut scratch.hits, &mut scratch.stack);
+            self.scene.closest_packet(self.origins[vertex], packet, occluded, hits, stack);
             for lane in set_bits(&[occluded]) {
-                let weight = scratch.solid_angle * self.cosine(normal, number * Packet::SIZE + lane);
-                let hit = self.scene.hit(&scratch.hits, lane).filter(|hit| hit.is_front);
+                let cosine = normal.dot(directions.directions[number * Packet::SIZE + lane]).max(0.0);
+                let weight = solid_angle * f64::from(cosine);
+                let hit = self.scene.hit(hits, lane).filter(|hit| hit.is_front);
                 records.extend(hit.map(|hit| {
                     let albedo = self.mesh.albedo_at(hit.triangle as usize, hit.barycentric);
                     HitRecord::new(hit.triangle, hit.barycentric, weight as f32, albedo)
@@ -105,6 +165,18 @@ impl DirectPass<'_> {
         records.shrink_to_fit();
         rays
     }
+}
+
+/// Finds the directions above the plane with this normal; returns `1 / Σ max(n·s, 0)`.
+fn all_above_horizon(normal: [f32; 3], directions: &[Vec3], above: &mut Vec<u64>) -> f64 {
+    above.clear();
+    let mut cosines = 0.0;
+    for directions in directions.chunks(PACKET_SIZE) {
+        let (packet_above, cosine_sum) = above_horizon(Vec3::from_array(normal), directions);
+        cosines += f64::from(cosine_sum);
+        above.push(packet_above);
+    }
+    1.0 / cosines
 }
 
 /// A set bit for each direction above the plane with this normal, and the sum of their cosines.

@@ -2,13 +2,21 @@
 //!
 //! `T = 1/π ∫ V(s) max(n·s, 0) y(s) ds`, plus what other surfaces reflect towards the point. Source: [SKS02](sh_core#references) sections 4.1 and 5.
 
+mod adaptive;
 mod bounce;
+mod budget;
 mod direct;
+mod guide;
 mod hit;
 mod inside;
+mod ladder;
 mod nearest;
 mod origin;
+mod pilot;
 mod probe;
+mod projection;
+mod recommend;
+mod savings;
 mod stats;
 mod validity;
 
@@ -16,11 +24,16 @@ use std::time::Duration;
 
 use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, TransferVectors};
 pub(crate) use bounce::Reflection;
+pub use budget::{TimePlan, error_for_time};
 pub(crate) use direct::{DirectPass, Scratch, add_scaled};
 pub(crate) use hit::HitRecord;
 pub(crate) use inside::InsidePlan;
+pub(crate) use ladder::Ladder;
 pub(crate) use origin::{face_origin, ray_origins};
+pub use pilot::{VertexSample, bake_vertices};
 pub(crate) use probe::ErrorProbe;
+pub use recommend::{OrderReport, recommend_order};
+pub use savings::{LevelCount, Savings};
 pub use stats::VertexStats;
 pub(crate) use validity::ValidityTest;
 
@@ -45,6 +58,8 @@ pub struct BakeReport {
     pub bounce_energy: Vec<f64>,
     /// Vertices that lie inside of solids: those that are not [valid](VertexStats::is_valid).
     pub invalid_vertices: usize,
+    /// What was saved by stopping early; counts nothing where no ray was traced.
+    pub savings: Savings,
     /// What was found at each vertex; empty where no ray was traced.
     pub vertices: Vec<VertexStats>,
 }

@@ -37,6 +37,7 @@ pub(super) struct Header {
 pub(super) struct Settings {
     order: usize,
     rays_per_vertex: usize,
+    target_error: Option<f64>,
     shadowed: bool,
     bounces: usize,
     bounce_threshold: Option<f64>,
@@ -58,6 +59,7 @@ impl Settings {
         let BakeOptions {
             order,
             rays_per_vertex,
+            target_error,
             shadowed,
             bounces,
             bounce_threshold,
@@ -67,7 +69,7 @@ impl Settings {
             threads: _,
         } = *options;
         let (order, inside) = (order.get(), inside.to_string());
-        Self { order, rays_per_vertex, shadowed, bounces, bounce_threshold, inside, keep_shadowed, seed }
+        Self { order, rays_per_vertex, target_error, shadowed, bounces, bounce_threshold, inside, keep_shadowed, seed }
     }
 
     /// Names and values, for people.
@@ -83,6 +85,7 @@ impl Settings {
         let options = BakeOptions {
             order: Order::new(self.order).map_err(|error| Error::Option(error.to_string()))?,
             rays_per_vertex: self.rays_per_vertex,
+            target_error: self.target_error,
             shadowed: self.shadowed,
             bounces: self.bounces,
             bounce_threshold: self.bounce_threshold,

@@ -31,7 +31,7 @@ pub fn merge_parts(
     let threads = Threads::new(options.threads)?;
     let mut report = BakeReport { threads: threads.count(), ..BakeReport::default() };
     let blocks = Blocks::of(header.vertex_count);
-    count(&mut report, journal.all_stats(blocks, 0..blocks.count())?);
+    count(&mut report, &options, journal.all_stats(blocks, 0..blocks.count())?);
     let mut baked = finished(surface.geometry, &header, &options, &journal, &threads, progress, &mut report)?;
     baked.metadata.source = surface.metadata.source;
     write_result(&baked, path, journal, report)

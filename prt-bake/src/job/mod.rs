@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use crate::diffuse::InsidePlan;
 use crate::parallel::Threads;
-use crate::{BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, VertexStats};
+use crate::{BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, Savings, VertexStats};
 
 pub(crate) use block::HitLists;
 pub(crate) use blocks::Blocks;
@@ -58,7 +58,7 @@ fn traced(
     trace::trace(mesh, options, part, journal, threads, progress, report)?;
     report.trace = start.elapsed().saturating_sub(report.build);
     let blocks = Blocks::of(mesh.positions().len());
-    count(report, journal.all_stats(blocks, part.blocks(blocks.count()))?);
+    count(report, options, journal.all_stats(blocks, part.blocks(blocks.count()))?);
     Ok(())
 }
 
@@ -114,7 +114,7 @@ fn inside_plan(geometry: &Geometry, options: &BakeOptions, vertices: &[VertexSta
 }
 
 /// Takes down what was found at the vertices.
-fn count(report: &mut BakeReport, vertices: Vec<VertexStats>) {
+fn count(report: &mut BakeReport, options: &BakeOptions, vertices: Vec<VertexStats>) {
     let sum = |count: fn(&VertexStats) -> u32| vertices.iter().map(|stats| u64::from(count(stats))).sum::<u64>();
     report.rays_traced = sum(|stats| stats.rays);
     report.occluded_share = sum(|stats| stats.occluded) as f64 / (sum(|stats| stats.directions) as f64).max(1.0);
@@ -122,6 +122,7 @@ fn count(report: &mut BakeReport, vertices: Vec<VertexStats>) {
     let (count, squares) = errors.fold((0_u32, 0.0), |(count, sum), error| (count + 1, sum + error * error));
     report.error = (count > 0).then(|| (squares / f64::from(count)).sqrt());
     report.invalid_vertices = vertices.iter().filter(|stats| !stats.is_valid()).count();
+    report.savings = Savings::of(options, &vertices);
     report.vertices = vertices;
 }
 

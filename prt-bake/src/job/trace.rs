@@ -6,9 +6,8 @@ use super::Part;
 use super::block::HitLists;
 use super::blocks::Blocks;
 use super::journal::Journal;
-use crate::diffuse::{DirectPass, ErrorProbe, Scratch, ValidityTest, ray_origins};
+use crate::diffuse::{DirectPass, ErrorProbe, Ladder, Scratch, ValidityTest, ray_origins};
 use crate::parallel::Threads;
-use crate::sampling::DirectionSet;
 use crate::{BakeOptions, BakeReport, Error, Mesh, Pass, Progress, Scene, VertexStats};
 
 /// Traces from the vertices of a part that the journal does not have yet.
@@ -34,9 +33,8 @@ pub(super) fn trace(
     let start = Instant::now();
     let scene = Scene::new(mesh);
     let origins = ray_origins(mesh, &scene);
-    let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
-    let direct =
-        DirectPass { mesh, scene: &scene, directions: &directions, normals: mesh.normals(), origins: &origins };
+    let ladder = Ladder::new(options);
+    let direct = DirectPass { mesh, scene: &scene, ladder: &ladder, normals: mesh.normals(), origins: &origins };
     let probe = ErrorProbe::new(options, mesh.positions().len());
     let validity = ValidityTest::new(&scene, mesh);
     let tracer = Tracer { direct, validity, probe, keep_hits: options.bounces > 0, blocks, journal, progress };
@@ -53,7 +51,7 @@ pub(super) fn trace(
 struct Tracer<'a> {
     direct: DirectPass<'a>,
     validity: ValidityTest<'a>,
-    probe: ErrorProbe,
+    probe: Option<ErrorProbe>,
     keep_hits: bool,
     blocks: Blocks,
     journal: &'a Journal,
@@ -64,7 +62,7 @@ impl Tracer<'_> {
     /// Traces from the vertices of a block and writes down what was found. Returns the numbers of vertices and of rays.
     fn block(&self, scratch: &mut Scratch, block: u32) -> Result<(usize, u64), Error> {
         let vertices = self.blocks.vertices(block);
-        let length = self.direct.directions.order.coeff_count();
+        let length = self.direct.ladder.order.coeff_count();
         let mut rows = vec![0.0; vertices.len() * length];
         let mut stats = vec![VertexStats::default(); vertices.len()];
         let (mut hits, mut found) = (HitLists::default(), Vec::new());
@@ -79,7 +77,9 @@ impl Tracer<'_> {
                 stats.rays += self.direct.nearest_hits(scratch, vertex, &mut found);
                 hits.push(found.iter().copied());
             }
-            stats.error = self.probe.estimate(&self.direct, scratch, vertex, row);
+            if let Some(probe) = &self.probe {
+                stats.error = probe.estimate(&self.direct, scratch, vertex, row);
+            }
         }
         if self.keep_hits {
             self.journal.append_hits(block, &hits)?;

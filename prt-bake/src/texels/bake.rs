@@ -7,9 +7,9 @@ use super::layout::Layout;
 use super::raster::Raster;
 use super::trace::TexelBake;
 use super::{Coverage, TexelOptions, TexelReport, TexelTransfer, gutter, seam};
+use crate::diffuse::Ladder;
 use crate::diffuse::{Reflection, ValidityTest};
 use crate::parallel::Threads;
-use crate::sampling::DirectionSet;
 use crate::{
     BakeOptions, BakedSurface, Error, InsidePolicy, Mesh, Metadata, Progress, Scene, TransferVectors, bake_diffuse,
 };
@@ -106,13 +106,13 @@ fn trace(
     let start = Instant::now();
     let threads = Threads::new(options.threads)?;
     let scene = Scene::new(layout.mesh);
-    let directions = DirectionSet::new(2 * options.rays_per_vertex, options.order, options.seed);
+    let ladder = Ladder::new(options);
     let bake = TexelBake {
         layout,
         raster,
         scene: &scene,
         neighbors: smooth_neighbors(layout),
-        directions: &directions,
+        ladder: &ladder,
         shadowed: options.shadowed,
         validity: ValidityTest::new(&scene, layout.mesh),
         reflection: vertices.map(|baked| {

@@ -3,9 +3,8 @@
 use super::layout::Layout;
 use super::points::Points;
 use super::raster::{NO_FACE, Raster};
-use crate::diffuse::{DirectPass, ErrorProbe, HitRecord, Reflection, Scratch as DirectScratch, ValidityTest};
+use crate::diffuse::{DirectPass, ErrorProbe, HitRecord, Ladder, Reflection, Scratch as DirectScratch, ValidityTest};
 use crate::parallel::Threads;
-use crate::sampling::DirectionSet;
 use crate::{BakeOptions, Error, Pass, Progress, Scene, TransferVectors, VertexStats};
 
 /// Texels whose points are held at one time.
@@ -22,7 +21,7 @@ pub(super) struct TexelBake<'a> {
     pub(super) scene: &'a Scene,
     /// See [`smooth_neighbors`](super::edges::smooth_neighbors).
     pub(super) neighbors: Vec<[u32; 3]>,
-    pub(super) directions: &'a DirectionSet,
+    pub(super) ladder: &'a Ladder,
     pub(super) shadowed: bool,
     pub(super) validity: ValidityTest<'a>,
     /// What vertices send out.
@@ -99,7 +98,7 @@ impl TexelBake<'_> {
         DirectPass {
             mesh: self.layout.mesh,
             scene: self.scene,
-            directions: self.directions,
+            ladder: self.ladder,
             normals: &points.normals,
             origins: &points.origins,
         }
@@ -108,16 +107,16 @@ impl TexelBake<'_> {
     fn scratch(&self, direct: &DirectPass) -> Scratch {
         Scratch {
             direct: direct.scratch(),
-            vector: vec![0.0; self.directions.order.coeff_count()],
+            vector: vec![0.0; self.ladder.order.coeff_count()],
             hits: Vec::new(),
-            gathered: vec![0.0; self.directions.order.coeff_count()],
+            gathered: vec![0.0; self.ladder.order.coeff_count()],
         }
     }
 
     /// The transfer of one texel, `[C, n²]`.
     fn texel(&self, direct: &DirectPass, scratch: &mut Scratch, point: usize, row: &mut [f32]) -> VertexStats {
         if !self.shadowed {
-            let unshadowed = TransferVectors::unshadowed(self.directions.order, &direct.normals[point..=point]);
+            let unshadowed = TransferVectors::unshadowed(self.ladder.order, &direct.normals[point..=point]);
             row.copy_from_slice(&unshadowed.values);
             return VertexStats::default();
         }
@@ -142,8 +141,9 @@ impl TexelBake<'_> {
         let (direct, probe) = (self.direct(&points), ErrorProbe::new(options, 1));
         let mut scratch = self.scratch(&direct);
         let errors = (0..points.normals.len()).map(|point| {
-            direct.shadowed_vector(&mut scratch.direct, point, &mut scratch.vector);
-            f64::from(probe.estimate(&direct, &mut scratch.direct, point, &scratch.vector))
+            let stats = direct.shadowed_vector(&mut scratch.direct, point, &mut scratch.vector);
+            let again = |probe: &ErrorProbe| probe.estimate(&direct, &mut scratch.direct, point, &scratch.vector);
+            f64::from(probe.as_ref().map_or(stats.error, again))
         });
         (errors.map(|error| error * error).sum::<f64>() / points.normals.len() as f64).sqrt()
     }

@@ -125,6 +125,7 @@ impl Arguments {
         BakeOptions {
             order: self.order,
             rays_per_vertex: self.rays,
+            target_error: None,
             shadowed: !self.unshadowed,
             bounces: self.bounce_count(),
             bounce_threshold: self.bounce_threshold,

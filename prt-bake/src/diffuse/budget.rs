@@ -1,0 +1,238 @@
+//! The target error that a bake reaches in a given time.
+
+use std::time::{Duration, Instant};
+
+use super::direct::Scratch;
+use super::pilot::Pilot;
+use super::{DirectPass, HitRecord, Ladder, Reflection, ValidityTest};
+use crate::parallel::Threads;
+use crate::{BakeOptions, Error, Mesh, Progress, TransferVectors};
+
+/// What a bake can reach in a given time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimePlan {
+    /// Value for [`BakeOptions::target_error`](crate::BakeOptions::target_error).
+    pub target_error: f64,
+    /// Time that the bake will take with it, as foreseen. More than what is left of the budget if even the largest error takes longer; less if
+    /// all vertices have all the rays that they may use.
+    pub expected: Duration,
+    /// Time that the pilot took. It counts towards the budget.
+    pub pilot: Duration,
+    /// Vertices that the pilot looked at.
+    pub vertices: usize,
+}
+
+/// The pilot looks at one vertex out of so many: it then takes about 5 % of the budget ...
+const VERTICES_PER_SAMPLE: usize = 64;
+
+/// ... but at so many at least: single vertices differ by factors of ten in what they take ...
+const FEWEST_SAMPLES: usize = 96;
+
+/// ... and at most, which foretell the time to a few percent.
+const MOST_SAMPLES: usize = 2048;
+
+/// Target errors that are tried, from large to small, differ by this factor.
+const STEP: f64 = 2.5;
+
+/// Smallest target error that is tried: below, transfer in `f32` is rounded by as much.
+const SMALLEST_ERROR: f64 = 1e-6;
+
+/// Share of the time left that the bake is planned to take: what it foretells is a few percent off.
+const SHARE: f64 = 0.92;
+
+/// Finds the target error with which a bake takes about `budget`, the pilot over some vertices included.
+///
+/// The bake itself then runs with [`BakeOptions::target_error`] set, so that its bytes do not depend on any clock: only the choice of the
+/// error does. [`BakeOptions::rays_per_vertex`] is the finest set of directions, here too: give it room. Time for reading the mesh and for
+/// writing the file is not counted.
+///
+/// # Errors
+/// If an option is out of range or there are no shadows to trace, or the caller cancels.
+pub fn error_for_time(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    budget: Duration,
+    progress: &dyn Progress,
+) -> Result<TimePlan, Error> {
+    options.validate()?;
+    if !options.shadowed {
+        return Err(Error::Option("a time to bake in, without shadows: there is nothing to trace".to_owned()));
+    }
+    let start = Instant::now();
+    let clock = Clock::new(mesh, options)?;
+    let mut plan = TimePlan {
+        target_error: 1.0,
+        expected: clock.build,
+        pilot: Duration::ZERO,
+        vertices: clock.pilot.vertices.len(),
+    };
+    let mut ladder = clock.ladder(options);
+    let mut before: Option<Tried> = None;
+    let mut error = 1.0;
+    loop {
+        let tried = clock.time(&mut ladder, options, error, progress)?;
+        let left = SHARE * budget.saturating_sub(start.elapsed()).as_secs_f64();
+        let is_late = tried.seconds > left;
+        let chosen = if is_late { tried.between(before.as_ref(), left) } else { tried };
+        (plan.target_error, plan.expected) = (chosen.error, Duration::from_secs_f64(chosen.seconds));
+        if is_late || tried.is_exhausted || error / STEP < SMALLEST_ERROR {
+            plan.pilot = start.elapsed();
+            return Ok(plan);
+        }
+        before = Some(tried);
+        error /= STEP;
+    }
+}
+
+/// What a bake with some target error will take.
+#[derive(Debug, Clone, Copy)]
+struct Tried {
+    error: f64,
+    seconds: f64,
+    /// Whether a smaller error would change nothing: all vertices have all their rays.
+    is_exhausted: bool,
+}
+
+impl Tried {
+    /// Where the time is `seconds`, between a larger error, which takes less, and this one: on a power law through both.
+    fn between(self, larger: Option<&Self>, seconds: f64) -> Self {
+        let Some(larger) = larger.filter(|larger| larger.seconds < seconds) else { return *larger.unwrap_or(&self) };
+        let share = (seconds / larger.seconds).ln() / (self.seconds / larger.seconds).ln();
+        Self { error: larger.error * (self.error / larger.error).powf(share), seconds, is_exhausted: false }
+    }
+}
+
+/// Measures what vertices take.
+struct Clock<'a> {
+    pilot: Pilot<'a>,
+    threads: Threads,
+    reflection: Option<Reflection<'a>>,
+    bounces: usize,
+    /// Time to build what does not depend on the error.
+    build: Duration,
+}
+
+impl<'a> Clock<'a> {
+    fn new(mesh: &'a Mesh, options: &BakeOptions) -> Result<Self, Error> {
+        let threads = Threads::new(options.threads)?;
+        let start = Instant::now();
+        let samples = mesh.positions().len() / VERTICES_PER_SAMPLE;
+        let pilot = Pilot::new(mesh, samples.clamp(FEWEST_SAMPLES, MOST_SAMPLES));
+        let build = start.elapsed();
+        let arriving =
+            || TransferVectors::unshadowed(options.order, mesh.normals()).with_channels(mesh.channel_count());
+        let reflection = (options.bounces > 0).then(|| Reflection::new(mesh.triangles(), arriving()));
+        Ok(Self { pilot, threads, reflection, bounces: options.bounces, build })
+    }
+
+    fn ladder(&self, options: &BakeOptions) -> Ladder {
+        Ladder::new(&BakeOptions { target_error: Some(1.0), ..options.clone() })
+    }
+
+    fn time(
+        &self,
+        ladder: &mut Ladder,
+        options: &BakeOptions,
+        error: f64,
+        progress: &dyn Progress,
+    ) -> Result<Tried, Error> {
+        ladder.aim(&BakeOptions { target_error: Some(error), ..options.clone() });
+        let direct = self.pilot.direct(ladder);
+        let validity = ValidityTest::new(&self.pilot.scene, self.pilot.mesh);
+        let mut items: Vec<(usize, Duration, bool)> =
+            self.pilot.vertices.iter().map(|&vertex| (vertex, Duration::ZERO, true)).collect();
+        let quiet = Quiet(progress);
+        self.threads.for_each(&mut items, &quiet, Memory::default, |memory, _, (vertex, duration, is_exhausted)| {
+            let start = Instant::now();
+            let (rays, found_all) = self.vertex(&direct, &validity, memory, *vertex);
+            (*duration, *is_exhausted) = (start.elapsed(), found_all);
+            rays
+        })?;
+        let spent: Duration = items.iter().map(|(_, duration, _)| *duration).sum();
+        let vertices = self.pilot.mesh.positions().len() as f64 / items.len() as f64;
+        let seconds = spent.as_secs_f64() * vertices / self.threads.count() as f64 + self.build.as_secs_f64();
+        Ok(Tried { error, seconds, is_exhausted: items.iter().all(|(.., is_exhausted)| *is_exhausted) })
+    }
+
+    /// What a bake does with a vertex. Returns the rays, and whether no target error would give it more: a vertex that is open or blocked
+    /// ends on its first rung, which is the third from the end at most.
+    fn vertex(&self, direct: &DirectPass, validity: &ValidityTest, memory: &mut Memory, vertex: usize) -> (u64, bool) {
+        memory.row.resize(direct.ladder.order.coeff_count(), 0.0);
+        let mut stats = direct.shadowed_vector(&mut memory.scratch, vertex, &mut memory.row);
+        validity.complete(vertex, direct.origins[vertex], &mut stats);
+        if let Some(reflection) = &self.reflection {
+            memory.hits.clear();
+            stats.rays += direct.nearest_hits(&mut memory.scratch, vertex, &mut memory.hits);
+            (0..self.bounces).for_each(|_| reflection.gather(&memory.hits, &mut memory.gathered));
+        }
+        let rungs_left = direct.ladder.rungs.len() - 1 - memory.scratch.last;
+        (u64::from(stats.rays), rungs_left == 0 || (stats.error == 0.0 && rungs_left == 2))
+    }
+}
+
+/// Memory of a thread.
+#[derive(Default)]
+struct Memory {
+    scratch: Scratch,
+    row: Vec<f32>,
+    hits: Vec<HitRecord>,
+    gathered: Vec<f64>,
+}
+
+/// Hears only that it should stop: the pilot is not a pass.
+struct Quiet<'a>(&'a dyn Progress);
+
+impl Progress for Quiet<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "tests")]
+
+    use super::*;
+    use crate::{MeshOptions, MeshSource};
+
+    fn triangle() -> Mesh {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let source = MeshSource { positions, triangles: vec![[0, 1, 2]], ..MeshSource::default() };
+        Mesh::new(source, &MeshOptions::default()).unwrap().0
+    }
+
+    #[test]
+    fn between_two_errors_time_is_a_power_of_the_error() {
+        let tried = |error, seconds| Tried { error, seconds, is_exhausted: false };
+        let chosen = tried(0.01, 8.0).between(Some(&tried(0.1, 2.0)), 4.0);
+        assert!((chosen.error - 0.1 * 0.1_f64.sqrt()).abs() < 1e-12);
+        assert!((chosen.seconds - 4.0).abs() < f64::EPSILON);
+        // Nothing is fast enough: the largest error that was tried.
+        assert!((tried(0.01, 8.0).between(None, 1.0).error - 0.01).abs() < f64::EPSILON);
+        assert!((tried(0.01, 8.0).between(Some(&tried(0.1, 2.0)), 1.0).error - 0.1).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn no_time_gives_the_largest_error_and_much_time_the_smallest() {
+        let plan = |options: &BakeOptions, budget| error_for_time(&triangle(), options, budget, &()).unwrap();
+        let options = BakeOptions { bounces: 1, ..BakeOptions::default() };
+        assert!((plan(&options, Duration::ZERO).target_error - 1.0).abs() < f64::EPSILON);
+        // Three open vertices: the finest set that they are given is reached long before a day is over.
+        let error = plan(&options, Duration::from_secs(86_400)).target_error;
+        assert!(error < 0.5 / 1024.0 * STEP && error > SMALLEST_ERROR, "{error}");
+    }
+
+    #[test]
+    fn a_pilot_hears_that_it_should_stop() {
+        struct Stop;
+        impl Progress for Stop {
+            fn is_cancelled(&self) -> bool {
+                true
+            }
+        }
+        let day = Duration::from_secs(86_400);
+        assert!(matches!(error_for_time(&triangle(), &BakeOptions::default(), day, &Stop), Err(Error::Cancelled)));
+        let unshadowed = BakeOptions { shadowed: false, ..BakeOptions::default() };
+        assert!(matches!(error_for_time(&triangle(), &unshadowed, day, &()), Err(Error::Option(_))));
+    }
+}

@@ -1,0 +1,93 @@
+//! A look at some vertices before the bake.
+
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+
+use super::{DirectPass, Ladder, ray_origins};
+use crate::parallel::Threads;
+use crate::{BakeOptions, Error, Mesh, Scene, TransferVectors, VertexStats};
+
+/// A scene, and vertices that are spread over it.
+#[derive(Debug)]
+pub(super) struct Pilot<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) scene: Scene,
+    origins: Vec<Vec3>,
+    pub(super) vertices: Vec<usize>,
+}
+
+impl<'a> Pilot<'a> {
+    /// At most `count` vertices.
+    pub(super) fn new(mesh: &'a Mesh, count: usize) -> Self {
+        Self::of(mesh, spread(mesh, count))
+    }
+
+    fn of(mesh: &'a Mesh, vertices: Vec<usize>) -> Self {
+        let scene = Scene::new(mesh);
+        let origins = ray_origins(mesh, &scene);
+        Self { mesh, scene, origins, vertices }
+    }
+
+    pub(super) fn direct<'b>(&'b self, ladder: &'b Ladder) -> DirectPass<'b> {
+        DirectPass { mesh: self.mesh, scene: &self.scene, ladder, normals: self.mesh.normals(), origins: &self.origins }
+    }
+}
+
+/// At most `count` vertices, evenly spaced in the order of the mesh, which mostly goes along the surface.
+pub(super) fn spread(mesh: &Mesh, count: usize) -> Vec<usize> {
+    let all = mesh.positions().len();
+    let count = count.min(all);
+    (0..count).map(|number| (2 * number + 1) * all / (2 * count)).collect()
+}
+
+/// Transfer of some vertices of a mesh, made as [`bake_diffuse`](crate::bake_diffuse) makes it.
+#[derive(Debug, Clone)]
+pub struct VertexSample {
+    /// One row for each vertex, of one channel: direct light alone.
+    pub transfer: TransferVectors,
+    /// What was found at each vertex; empty without shadows.
+    pub stats: Vec<VertexStats>,
+    /// Time to build the tree and the sets of directions.
+    pub build: Duration,
+    /// Time to trace and sum, that of all threads added up.
+    pub trace: Duration,
+}
+
+/// Bakes direct light at some vertices, in the shadow of the whole mesh: to measure what options cost and bring before a mesh is baked with
+/// them. The rows are those of a bake with the same options, bit for bit.
+///
+/// # Errors
+/// If an option is out of range.
+///
+/// # Panics
+/// If there is no vertex of some number.
+pub fn bake_vertices(mesh: &Mesh, options: &BakeOptions, vertices: &[usize]) -> Result<VertexSample, Error> {
+    options.validate()?;
+    let normals: Vec<[f32; 3]> = vertices.iter().map(|&vertex| mesh.normals()[vertex]).collect();
+    let mut transfer = TransferVectors::unshadowed(options.order, &normals);
+    if !options.shadowed {
+        return Ok(VertexSample { transfer, stats: Vec::new(), build: Duration::ZERO, trace: Duration::ZERO });
+    }
+    let start = Instant::now();
+    let pilot = Pilot::of(mesh, vertices.to_vec());
+    let ladder = Ladder::new(options);
+    let direct = pilot.direct(&ladder);
+    let build = start.elapsed();
+    let rows = transfer.values.chunks_exact_mut(options.order.coeff_count());
+    let mut items: Vec<_> = rows.map(|row| (row, VertexStats::default(), Duration::ZERO)).collect();
+    Threads::new(options.threads)?.for_each(
+        &mut items,
+        &(),
+        || direct.scratch(),
+        |scratch, number, (row, stats, time)| {
+            let start = Instant::now();
+            *stats = direct.shadowed_vector(scratch, vertices[number], row);
+            *time = start.elapsed();
+            u64::from(stats.rays)
+        },
+    )?;
+    let (stats, times): (Vec<VertexStats>, Vec<Duration>) =
+        items.iter().map(|(_, stats, time)| (*stats, *time)).unzip();
+    Ok(VertexSample { transfer, stats, build, trace: times.iter().sum() })
+}
