@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 use glam::{Quat, Vec3};
 use prt_bake::{BakeOptions, Medium, TexelOptions};
@@ -136,6 +137,21 @@ pub(crate) fn rays(text: &str) -> Result<usize, String> {
 
 pub(crate) fn bounces(text: &str) -> Result<usize, String> {
     ranged(text, 0, BakeOptions::MAX_BOUNCES)
+}
+
+/// A relative error.
+pub(crate) fn error(text: &str) -> Result<f64, String> {
+    let error = text.parse().ok().filter(|&error: &f64| error > 0.0 && error <= 1.0);
+    error.ok_or_else(|| "an error above 0 and at most 1 is needed, like 0.002".to_owned())
+}
+
+/// A time: seconds, or a number with s, m or h.
+pub(crate) fn duration(text: &str) -> Result<Duration, String> {
+    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
+    let found = units.into_iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
+    let seconds = found.and_then(|(number, unit)| Some(number.trim().parse::<f64>().ok()? * unit));
+    let seconds = seconds.filter(|seconds| (0.01..=1e7).contains(seconds));
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| "a time is needed, like 90s, 5m or 8h".to_owned())
 }
 
 /// A part of a whole, less than all of it.
@@ -314,6 +330,13 @@ mod tests {
         assert_eq!(texels("512").unwrap(), Size { width: 512, height: 512 });
         assert_eq!(texels("64x32").unwrap(), Size { width: 64, height: 32 });
         assert!(texels("0").is_err() && texels("99999").is_err() && texels("x").is_err());
+    }
+
+    #[test]
+    fn times_have_units() {
+        let seconds = ["90", "90s", "1.5m", "2h"].map(|text| duration(text).unwrap().as_secs_f64());
+        assert_eq!(seconds, [90.0, 90.0, 90.0, 7200.0]);
+        assert!(["", "s", "-1s", "0", "1d", "nan", "inf", "1e9h"].iter().all(|text| duration(text).is_err()));
     }
 
     #[test]

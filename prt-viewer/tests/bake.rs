@@ -95,6 +95,33 @@ fn texels_of_a_mesh_are_an_image_with_named_channels() {
 }
 
 #[test]
+fn work_follows_the_error_that_is_asked_for() {
+    let place = Place::new();
+    place.write_scene();
+    let bake = |more: &[&str]| place.json(&[&["bake", "scene.obj", "--order", "4"], more].concat());
+    let (coarse, fine) = (bake(&["--error", "0.02"]), bake(&["--error", "0.002"]));
+    assert!(number(&coarse, "/rays_traced") < 0.5 * number(&fine, "/rays_traced"));
+    assert!(number(&coarse, "/error") < 0.02 && number(&fine, "/error") < 0.002, "{coarse} {fine}");
+    // Most of the sphere sees the whole sky.
+    assert!(number(&fine, "/savings/open_vertices") > 20.0);
+    assert_eq!(number(&fine, "/target_error"), 0.002);
+    let fixed = bake(&["--rays", "64"]);
+    assert!(fixed["target_error"].is_null() && number(&fixed, "/rays_per_vertex") == 64.0);
+
+    let timed = bake(&["--time", "0.4s"]);
+    assert!(number(&timed, "/target_error") > 0.0 && number(&timed, "/expected_seconds") > 0.0, "{timed}");
+    let auto = place.json(&["bake", "scene.obj", "--rays", "64", "--order", "auto"]);
+    let errors = auto["order_errors"].as_array().unwrap();
+    let order = number(&auto, "/order") as usize;
+    assert!(errors[order - 1].as_f64().unwrap() <= 0.1 && errors[order - 2].as_f64().unwrap() > 0.1, "{auto}");
+    for wrong in [&["--error", "0"][..], &["--error", "0.1", "--time", "1s"], &["--time", "soon"], &["--order", "best"]]
+    {
+        place.refuses(&[&["bake", "scene.obj"], wrong].concat(), 2, &["--"]);
+    }
+    place.refuses(&["bake", "bumps", "--error", "0.1"], 2, &["height field"]);
+}
+
+#[test]
 fn info_tells_metadata_and_tensors() {
     let place = Place::new();
     place.bake_scene(&["--bounces", "1", "--keep-shadowed", "--albedo", "0.9,0.5,0.1", "--seed", "7"]);

@@ -1,3 +1,4 @@
+mod effort;
 mod keeping;
 mod report;
 mod reporting;
@@ -10,13 +11,13 @@ use prt_bake::{
     BakeOptions, BakeReport, BakeTarget, BakedSurface, Error, FileReport, InsidePolicy, Mesh, MeshOptions, MeshReport,
     Source, bake_diffuse, bake_to_file, load_mesh,
 };
-use sh_core::Order;
 
 use super::bake_patch::{self, Common, Origin, PatchArguments};
 use crate::arguments::{self, Size};
 use crate::laps::Laps;
 use crate::progress_bar::BakeBar;
 use crate::{cancel, output, output_file};
+use effort::{Decision, Effort};
 use keeping::Keeping;
 use report::{Report, Seconds};
 use reporting::Reporting;
@@ -36,12 +37,8 @@ pub(crate) struct Arguments {
     /// The baked file, or the folder for several; by default the name of the scene with .prt, in the current folder
     #[arg(short, long, value_name = "OUT.prt")]
     output: Option<PathBuf>,
-    /// Bands of spherical harmonics, 1 to 32: n² coefficients per vertex
-    #[arg(long, value_name = "N", default_value = "6", value_parser = arguments::order)]
-    order: Order,
-    /// Rays per vertex or texel, over the hemisphere
-    #[arg(long, value_name = "COUNT", default_value = "4096", value_parser = arguments::rays)]
-    rays: usize,
+    #[command(flatten)]
+    effort: Effort,
     /// Diffuse interreflections to follow [default: 0, or as many as --bounce-threshold takes]
     #[arg(long, value_name = "COUNT", value_parser = arguments::bounces)]
     bounces: Option<usize>,
@@ -94,11 +91,11 @@ pub(crate) fn default_output(scene: &Path) -> PathBuf {
 
 impl Arguments {
     /// What a height field takes of the options.
-    fn common(&self) -> Common {
-        Common {
+    fn common(&self) -> anyhow::Result<Common> {
+        Ok(Common {
             output: self.output.clone(),
-            order: self.order,
-            rays: self.rays,
+            order: self.effort.fixed_order()?,
+            rays: self.effort.fixed_rays()?,
             bounces: self.bounce_count(),
             seed: self.seed,
             threads: self.threads,
@@ -106,7 +103,7 @@ impl Arguments {
             albedo: self.albedo,
             json: self.json,
             texels: self.texels,
-        }
+        })
     }
 
     /// Most bounces to follow.
@@ -122,10 +119,7 @@ impl Arguments {
     }
 
     fn bake_options(&self) -> BakeOptions {
-        BakeOptions {
-            order: self.order,
-            rays_per_vertex: self.rays,
-            target_error: None,
+        self.effort.options(&BakeOptions {
             shadowed: !self.unshadowed,
             bounces: self.bounce_count(),
             bounce_threshold: self.bounce_threshold,
@@ -133,7 +127,8 @@ impl Arguments {
             keep_shadowed: self.keep_shadowed,
             seed: self.seed,
             threads: self.threads,
-        }
+            ..BakeOptions::default()
+        })
     }
 }
 
@@ -166,7 +161,7 @@ fn run_patch(arguments: &Arguments, scene: &Path, origin: &Origin) -> anyhow::Re
             "--resume, --restart, --update and --part are for meshes; the scene is a height field",
         ));
     }
-    bake_patch::run(scene, origin, &arguments.patch, &arguments.common())
+    bake_patch::run(scene, origin, &arguments.patch, &arguments.common()?)
 }
 
 fn run_mesh(arguments: &Arguments, scene: &Path) -> anyhow::Result<()> {
@@ -187,9 +182,11 @@ fn bake_mesh(arguments: &Arguments, scene: &Path, output: PathBuf) -> anyhow::Re
     let target = arguments.keeping.target(output, Source::of_file(scene)?);
     let load = laps.lap();
     cancel::check()?;
-    let file = bake_file(&mesh, &arguments.bake_options(), &target, &scene.display().to_string())?;
+    let name = scene.display().to_string();
+    let (options, decision) = decide(arguments, &mesh, Some(&target), &name)?;
+    let file = bake_file(&mesh, &options, &target, &name)?;
     let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
-    let report = Report::new(arguments, scene, &target, &mesh, &cleaning, &file, seconds);
+    let report = Report::new(scene, &target, &mesh, &cleaning, (&options, decision), &file, seconds);
     arguments.reporting.write(scene, &target, &file, &report)?;
     Ok(report)
 }
@@ -199,6 +196,20 @@ fn load(arguments: &Arguments, scene: &Path) -> anyhow::Result<(Mesh, MeshReport
     let source = load_mesh(scene)?;
     cancel::check()?;
     Mesh::new(source, &arguments.mesh_options()).map_err(|error| name_file(error, &scene.display()))
+}
+
+/// The options of the bake, and how what was left open was decided.
+fn decide(
+    arguments: &Arguments,
+    mesh: &Mesh,
+    target: Option<&BakeTarget>,
+    name: &str,
+) -> anyhow::Result<(BakeOptions, Decision)> {
+    let mut options = arguments.bake_options();
+    let bar = BakeBar::new();
+    let decision = arguments.effort.decide(mesh, target, &mut options, &bar);
+    bar.finish();
+    Ok((options, decision.map_err(|error| name_file(error, &name))?))
 }
 
 /// Bakes with a progress bar.

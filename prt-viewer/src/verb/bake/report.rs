@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use prt_bake::{BakeReport, BakeTarget, FileReport, Mesh, MeshReport};
+use prt_bake::{BakeOptions, BakeReport, BakeTarget, FileReport, Mesh, MeshReport, Savings};
 use serde::Serialize;
 
-use super::Arguments;
+use super::effort::{self, Decision};
 use crate::{memory, output};
 
 /// Wall time of the steps.
@@ -25,6 +25,31 @@ impl Seconds {
     pub(super) fn new(load: f64, rest: f64, total: f64, bake: &BakeReport) -> Self {
         let [build, trace] = [bake.build, bake.trace].map(|time| time.as_secs_f64());
         Self { load, build, trace, write: (rest - build - trace).max(0.0), total }
+    }
+}
+
+/// What stopping early saved.
+#[derive(Debug, Serialize)]
+struct Saved {
+    /// Rays that the same number for each vertex would have been.
+    fixed_rays: u64,
+    open_vertices: usize,
+    blocked_vertices: usize,
+    /// Vertices whose estimated error is above what was asked for.
+    unconverged_vertices: usize,
+    /// Directions of the finest set that vertices were given, and how many were.
+    levels: Vec<[usize; 2]>,
+}
+
+impl Saved {
+    fn of(savings: &Savings) -> Self {
+        Self {
+            fixed_rays: savings.fixed_directions,
+            open_vertices: savings.open_vertices,
+            blocked_vertices: savings.blocked_vertices,
+            unconverged_vertices: savings.unconverged_vertices,
+            levels: savings.levels.iter().map(|level| [level.directions as usize, level.vertices]).collect(),
+        }
     }
 }
 
@@ -62,6 +87,12 @@ pub(super) struct Report {
     occluded_share: f64,
     /// Estimated relative error of shadowed transfer; `null` without rays.
     error: Option<f64>,
+    #[serde(flatten)]
+    decision: Decision,
+    savings: Saved,
+    /// The same in words.
+    #[serde(skip)]
+    about_savings: Option<String>,
     seed: u64,
     threads: usize,
     seconds: Seconds,
@@ -72,11 +103,11 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn new(
-        arguments: &Arguments,
         scene: &Path,
         target: &BakeTarget,
         mesh: &Mesh,
         cleaning: &MeshReport,
+        (options, decision): (&BakeOptions, Decision),
         file: &FileReport,
         seconds: Seconds,
     ) -> Self {
@@ -96,17 +127,20 @@ impl Report {
             vertices_unused: cleaning.vertices_unused,
             vertices_split: cleaning.vertices_split,
             vertices_invalid: bake.invalid_vertices,
-            order: arguments.order.get(),
+            order: options.order.get(),
             channels: file.channels,
-            rays_per_vertex: if arguments.unshadowed { 0 } else { arguments.rays },
+            rays_per_vertex: if options.shadowed { options.rays_per_vertex } else { 0 },
             rays_traced: bake.rays_traced,
             vertices_resumed: bake.vertices_resumed,
             bounces: bake.bounce_energy.len(),
-            inside: arguments.inside.clone(),
+            inside: options.inside.to_string(),
             bounce_energy: bake.bounce_energy.clone(),
             occluded_share: bake.occluded_share,
             error: bake.error,
-            seed: arguments.seed,
+            decision,
+            savings: Saved::of(&bake.savings),
+            about_savings: effort::about_savings(&bake.savings),
+            seed: options.seed,
             threads: bake.threads,
             mrays_per_second: super::mrays_per_second(bake),
             seconds,
@@ -119,11 +153,17 @@ impl Report {
         if self.up_to_date {
             return format!("{} is up to date", self.output);
         }
-        [Some(self.about_mesh()), self.about_resuming(), Some(self.about_rays()), Some(self.about_output())]
-            .into_iter()
-            .flatten()
-            .collect::<Vec<_>>()
-            .join("\n")
+        [
+            Some(self.about_mesh()),
+            self.about_resuming(),
+            Some(self.about_rays()),
+            self.about_savings.clone(),
+            Some(self.about_output()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join("\n")
     }
 
     fn about_mesh(&self) -> String {

@@ -59,6 +59,9 @@ pub(super) fn run(arguments: &Arguments, scene: &Path, size: Size) -> anyhow::Re
     if arguments.keeping.is_asked_for() {
         return Err(output::usage("--resume, --restart, --update and --part are for vertices, not for --texels"));
     }
+    if arguments.effort.has_time() {
+        return Err(output::usage("--time is for vertices, not for --texels"));
+    }
     let mut laps = Laps::start();
     let output = arguments.output.clone().unwrap_or_else(|| super::default_output(scene).with_extension("exr"));
     let is_exr = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
@@ -71,8 +74,9 @@ pub(super) fn run(arguments: &Arguments, scene: &Path, size: Size) -> anyhow::Re
     let source = Source::of_file(scene)?;
     let load = laps.lap();
     let texels = options(arguments, scene, size);
+    let (options, _) = super::decide(arguments, &mesh, None, &scene.display().to_string())?;
     let bar = BakeBar::new();
-    let baked = bake_texels(&mesh, &arguments.bake_options(), &texels, &bar);
+    let baked = bake_texels(&mesh, &options, &texels, &bar);
     bar.finish();
     let (mut atlas, found) = baked.map_err(|error| super::name_file(error, &scene.display()))?;
     atlas.metadata.source = Some(source);
