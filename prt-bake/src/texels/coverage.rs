@@ -8,8 +8,8 @@ pub enum Coverage {
     Empty,
     /// A copy of the nearest texels that were baked: gutter.
     Filled,
-    /// The transfer of the nearest point of a face that does not reach the centre of the texel, but that a bilinear lookup on the
-    /// face can read.
+    /// Its centre lies off the charts, but a bilinear lookup on a face can read it. It holds the transfer of the surface beyond the edge of
+    /// the chart, or of the edge where the surface ends or has a crease.
     Border,
     /// The transfer of the point of the surface that lies at the centre of the texel.
     Inside,
