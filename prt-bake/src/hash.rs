@@ -4,15 +4,19 @@ use sha2::{Digest, Sha256};
 
 /// Of some bytes.
 pub(crate) fn hex(bytes: &[u8]) -> String {
-    let mut content = Content::default();
-    content.bytes(bytes);
-    content.finish()
+    in_hexadecimal(&Sha256::digest(bytes))
+}
+
+fn in_hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Of arrays of numbers, each with its length before it, so that no two lists of arrays look alike.
+#[cfg(feature = "trace")]
 #[derive(Debug, Default)]
 pub(crate) struct Content(Sha256);
 
+#[cfg(feature = "trace")]
 impl Content {
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
@@ -28,11 +32,11 @@ impl Content {
     }
 
     pub(crate) fn finish(self) -> String {
-        self.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        in_hexadecimal(&self.0.finalize())
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "trace"))]
 mod tests {
     use super::*;
 

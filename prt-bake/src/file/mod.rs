@@ -68,11 +68,9 @@ impl Source {
     /// # Errors
     /// If the file cannot be read.
     pub fn of_file(path: &Path) -> Result<Self, Error> {
-        use sha2::Digest;
         let bytes = read_file(path)?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let sha256 = sha2::Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { name, sha256 })
+        Ok(Self { name, sha256: crate::hash::hex(&bytes) })
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{BakedFile, Metadata, VERTEX_TRANSFER, malformed, read, write};
+use crate::input::read_file;
 use crate::{Error, Geometry, TransferVectors};
 
 /// A surface with its baked transfer: all that shading needs, and how it was made.
@@ -37,14 +38,10 @@ impl BakedSurface {
     /// # Errors
     /// If the file cannot be read, is not a baked file, is of a newer format or another kind, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        match BakedFile::read(path)? {
-            BakedFile::Vectors(surface) => Ok(surface),
-            other => Err(other.unexpected(path, VERTEX_TRANSFER)),
-        }
+        Self::from_bytes(&read_file(path)?, path)
     }
 
     /// As [`BakedSurface::read`], from the content of a file, or of a part of the file `path`.
-    #[cfg(feature = "trace")]
     pub(crate) fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, Error> {
         match read::file(bytes).map_err(|reason| malformed(path, reason))? {
             BakedFile::Vectors(surface) => Ok(surface),
