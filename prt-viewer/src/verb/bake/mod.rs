@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use prt_bake::{
     BakeOptions, BakeReport, BakeTarget, BakedSurface, Error, FileReport, InsidePolicy, Mesh, MeshOptions, MeshReport,
-    Source, bake_diffuse, bake_to_file, load_mesh,
+    Source, TwoSided, bake_diffuse, bake_to_file, load_mesh,
 };
 
 use super::bake_patch::{self, Common, Origin, PatchArguments};
@@ -66,6 +66,9 @@ pub(crate) struct Arguments {
     /// Faces that meet at a larger angle have an edge between them, where the mesh has no normals
     #[arg(long, value_name = "DEGREES", default_value = "75", value_parser = arguments::crease, allow_hyphen_values = true)]
     crease: f32,
+    /// Faces that have transfer on their back too: those that the file says, all, or none
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "file")]
+    two_sided: Sides,
     /// Bake the texels of a mesh's texture coordinates instead of its vertices, to OUT.exr; of a height field, the texels of the result
     #[arg(long, value_name = "SIZE|WIDTHxHEIGHT", value_parser = arguments::texels)]
     texels: Option<Size>,
@@ -81,6 +84,14 @@ pub(crate) struct Arguments {
     json: bool,
     #[command(flatten)]
     patch: PatchArguments,
+}
+
+/// Which faces are two-sided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Sides {
+    File,
+    All,
+    None,
 }
 
 /// The name of the scene with `.prt`, in the current folder.
@@ -115,7 +126,12 @@ impl Arguments {
     fn mesh_options(&self) -> MeshOptions {
         let defaults = MeshOptions::default();
         let albedo = self.albedo.unwrap_or(defaults.albedo);
-        MeshOptions { crease_angle: self.crease.to_radians(), albedo, ..defaults }
+        let two_sided = match self.two_sided {
+            Sides::File => TwoSided::AsFile,
+            Sides::All => TwoSided::Always,
+            Sides::None => TwoSided::Never,
+        };
+        MeshOptions { crease_angle: self.crease.to_radians(), albedo, two_sided, ..defaults }
     }
 
     fn bake_options(&self) -> BakeOptions {
@@ -195,7 +211,10 @@ fn bake_mesh(arguments: &Arguments, scene: &Path, output: PathBuf) -> anyhow::Re
 fn load(arguments: &Arguments, scene: &Path) -> anyhow::Result<(Mesh, MeshReport)> {
     let source = load_mesh(scene)?;
     cancel::check()?;
-    Mesh::new(source, &arguments.mesh_options()).map_err(|error| name_file(error, &scene.display()))
+    let (mesh, report) =
+        Mesh::new(source, &arguments.mesh_options()).map_err(|error| name_file(error, &scene.display()))?;
+    report.warnings.iter().for_each(|warning| output::note(format_args!("{}: {warning}", scene.display())));
+    Ok((mesh, report))
 }
 
 /// The options of the bake, and how what was left open was decided.

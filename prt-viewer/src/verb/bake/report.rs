@@ -69,6 +69,10 @@ pub(super) struct Report {
     faces_not_finite: usize,
     vertices_unused: usize,
     vertices_split: usize,
+    /// Faces that have a twin which looks the other way.
+    faces_twinned: usize,
+    /// What was read otherwise than it is meant.
+    warnings: Vec<String>,
     /// Vertices inside of solids.
     vertices_invalid: usize,
     order: usize,
@@ -126,6 +130,8 @@ impl Report {
             faces_not_finite: cleaning.non_finite,
             vertices_unused: cleaning.vertices_unused,
             vertices_split: cleaning.vertices_split,
+            faces_twinned: cleaning.faces_twinned,
+            warnings: cleaning.warnings.clone(),
             vertices_invalid: bake.invalid_vertices,
             order: options.order.get(),
             channels: file.channels,
