@@ -14,7 +14,6 @@ mod weld;
 use crate::{Error, SurfaceMaterial};
 
 pub use twins::TwoSided;
-#[cfg_attr(not(feature = "trace"), expect(unused_imports, reason = "a bake fills across coincident positions"))]
 pub(crate) use weld::weld_positions;
 
 /// A mesh as a file gives it, before it is checked: the input of [`Mesh::new`].
