@@ -250,7 +250,7 @@ fn a_plate_hides_its_form_factor_from_the_plate_below() {
         assert!((hidden(center) - square_over_point(1.0, distance)).abs() < 1e-3, "{distance}: {}", hidden(center));
         // Averaged over the plate by the trapezoidal rule, which cuts off what is curved: 0.7 % where the plates are nearest, as the factor falls
         // off towards the edge over two cells.
-        let weight = |i: usize| if i % CELLS == 0 { 0.5 } else { 1.0 };
+        let weight = |i: usize| if i.is_multiple_of(CELLS) { 0.5 } else { 1.0 };
         let weights = (0..(CELLS + 1).pow(2)).map(|vertex| weight(vertex / (CELLS + 1)) * weight(vertex % (CELLS + 1)));
         let mean = weights.zip(0..).map(|(weight, vertex)| weight * hidden(vertex)).sum::<f64>() / CELLS.pow(2) as f64;
         let expected = parallel_squares(2.0 / distance);

@@ -36,8 +36,8 @@ fn a_buried_end_takes_the_last_vertices_outside() {
 #[test]
 fn what_no_edge_leads_to_is_filled_across_copies_and_then_from_the_nearest() {
     let (mut positions, mut triangles) = strip(1);
-    // Vertices 4 to 6 are a face that touches the strip at a copy of vertex 0; 7 to 9 are a face of their own, nearest to vertex 2.
-    positions.extend([[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
+    // Vertices 4 to 6 are a face that touches the strip at a copy of vertex 0, though vertex 6 is nearer to 1; 7 to 9 are a face of their own, nearest to vertex 2.
+    positions.extend([[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.5, 0.0]]);
     positions.extend([[5.0, -1.0, 1.0], [6.0, -1.0, 1.0], [6.0, -2.0, 1.0]]);
     triangles.extend([[4, 5, 6], [7, 8, 9]]);
     let is_valid: Vec<bool> = (0..10).map(|vertex| vertex < 4).collect();
