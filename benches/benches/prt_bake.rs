@@ -7,10 +7,14 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use prt_bake::{BakeOptions, HeightField, Mesh, MeshOptions, PatchOptions, Scene, bake_diffuse, bake_patch, load_mesh};
+use prt_bake::{
+    BakeOptions, HeightField, Mesh, MeshOptions, PatchOptions, Scene, bake_diffuse, bake_patch, bake_vertices,
+    load_mesh,
+};
 use prt_tests::{SceneBuilder, data_path, grid, icosphere};
+use sh_core::Order;
 
-criterion_group!(benches, bake, patch, rays, tree, readers);
+criterion_group!(benches, bake, projection, patch, rays, tree, readers);
 criterion_main!(benches);
 
 /// A ball over a floor: about 4,000 vertices.
@@ -45,6 +49,27 @@ fn bake(criterion: &mut Criterion) {
                 b.iter(|| {
                     seed += 1;
                     bake_diffuse(black_box(&mesh), &BakeOptions { seed, ..options.clone() }, &())
+                });
+            });
+        }
+    }
+}
+
+/// Some vertices on one thread, at order 1 and at order 6: what the second takes more is the price of 35 more basis functions. The rays are the
+/// same.
+fn projection(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("prt-bake/projection");
+    group.sample_size(10);
+    for (name, mesh) in meshes() {
+        let vertices: Vec<usize> = (0..mesh.positions().len()).step_by(mesh.positions().len() / 100).collect();
+        group.throughput(Throughput::Elements(vertices.len() as u64));
+        for n in [1, 6] {
+            let order = Order::new(n).expect("1 and 6 are orders");
+            let options = BakeOptions { order, threads: Some(1), ..BakeOptions::default() };
+            group.bench_function(format!("{name}/order-{n}"), |b| {
+                b.iter_custom(|times| {
+                    let bake = |_| bake_vertices(&mesh, &options, &vertices).expect("options are valid").trace;
+                    (0..times).map(bake).sum()
                 });
             });
         }

@@ -60,8 +60,35 @@ pub(super) fn run(asked: Option<&str>) -> Result<()> {
         "µs / vertex, one thread",
     ];
     table(NAME, &head, &rows)?;
+    goals(&points)?;
     plot(&points, "rays", "rays traced per vertex", |point| point.rays_per_vertex)?;
     plot(&points, "seconds", "microseconds per vertex, one thread", |point| point.microseconds)
+}
+
+/// What was asked of the baker, beside what it does.
+fn goals(points: &[Point]) -> Result<()> {
+    let mut rows = Vec::new();
+    for point in points.iter().filter(|point| point.asked == "4096") {
+        rows.push(vec![
+            format!("{}: 4,096 rays", point.mesh),
+            "error 2e-3 (bunny)".to_owned(),
+            format!("{:.2e}", point.error),
+        ]);
+    }
+    for point in points.iter().filter(|point| point.asked == "error 0.002") {
+        let gain =
+            fixed_rays(points, point).map_or(String::new(), |rays| format!("{:.1}", rays / point.rays_per_vertex));
+        rows.push(vec![format!("{}: error 0.002, times fewer rays", point.mesh), "2 (bunny)".to_owned(), gain]);
+    }
+    table(&format!("{NAME}-goals"), &["what", "goal", "found"], &rows)
+}
+
+/// The fixed count that has the error of `point`: on a power law through the two counts around it.
+fn fixed_rays(points: &[Point], point: &Point) -> Option<f64> {
+    let fixed: Vec<&Point> = points.iter().filter(|other| other.mesh == point.mesh && !other.is_adaptive).collect();
+    let pair = fixed.windows(2).find(|pair| pair[1].error <= point.error && point.error <= pair[0].error)?;
+    let share = (point.error / pair[0].error).ln() / (pair[1].error / pair[0].error).ln();
+    Some(pair[0].rays_per_vertex * (pair[1].rays_per_vertex / pair[0].rays_per_vertex).powf(share))
 }
 
 fn row(point: &Point) -> Vec<String> {
@@ -70,7 +97,7 @@ fn row(point: &Point) -> Vec<String> {
         point.asked.clone(),
         format!("{:.0}", point.rays_per_vertex),
         format!("{:.2e}", point.error),
-        format!("{:.2e}", point.estimate),
+        if point.is_adaptive { format!("{:.2e}", point.estimate) } else { String::new() },
         format!("{:.1e}", point.worst),
         point.unconverged.to_string(),
         point.open.to_string(),
