@@ -60,7 +60,7 @@ pub struct BakeOptions {
     ///
     /// A vertex begins with about half the inverse of this number of directions, so that what they all miss weighs less than the error. If
     /// nothing is occluded, or all, it is done. Otherwise it is given finer sets, each with two or four times as many directions; where
-    /// neighbouring directions of the coarser set agree, a finer one is taken to agree with them, and only around outlines are rays traced.
+    /// neighbouring directions of the coarser set agree, a finer one is taken to agree with them, and only along outlines are rays traced.
     /// Two sets that differ little end the work, with the mean of all, weighted by variance. What cannot be seen by this: an occluder that
     /// slips between the coarsest directions, and what light reflected by it would add.
     pub target_error: Option<f64>,

@@ -22,13 +22,13 @@ pub struct TimePlan {
     pub vertices: usize,
 }
 
-/// The pilot looks at one vertex out of so many: it then takes about 5 % of the budget ...
+/// The pilot looks at one vertex out of so many: it then takes 4 % of 20 s, 6 to 9 % of 5 s, 11 % of 2 s ...
 const VERTICES_PER_SAMPLE: usize = 64;
 
 /// ... but at so many at least: single vertices differ by factors of ten in what they take ...
 const FEWEST_SAMPLES: usize = 96;
 
-/// ... and at most, which foretell the time to a few percent.
+/// ... and at most, enough for the mean of any mesh.
 const MOST_SAMPLES: usize = 2048;
 
 /// Target errors that are tried, from large to small, differ by this factor.
@@ -44,7 +44,8 @@ const SHARE: f64 = 0.92;
 ///
 /// The bake itself then runs with [`BakeOptions::target_error`] set, so that its bytes do not depend on any clock: only the choice of the
 /// error does. [`BakeOptions::rays_per_vertex`] is the finest set of directions, here too: give it room. Time for reading the mesh and for
-/// writing the file is not counted.
+/// writing the file is not counted. Bakes of the bunny and of `nefertiti` in 5 and 20 s took 89 to 95 % of that, on two threads with room for
+/// 32,768 rays, and reached errors of 7e-3 and 1e-3; budgets below 3 s are missed by up to half where other work shares the machine.
 ///
 /// # Errors
 /// If an option is out of range or there are no shadows to trace, or the caller cancels.

@@ -17,7 +17,8 @@ fn lanes_of(group: usize) -> u64 {
     ((1 << GROUP) - 1) << (GROUP * group)
 }
 
-/// A coarse direction is asked about a fine one if it lies within this many spacings of coarse directions.
+/// A coarse direction is asked about a fine one if it lies within this many spacings of coarse directions. On the bunny and `dragon_100k` 0.9
+/// takes a fifth fewer rays and errs by up to 16 % more, 1.8 takes a quarter more rays and errs by up to 13 % less.
 const REACH: f32 = 1.3;
 
 /// For each group of fine directions the coarse ones around it. Where these agree, the fine ones need no rays.
