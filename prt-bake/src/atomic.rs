@@ -34,7 +34,10 @@ fn write<T>(path: &Path, body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<
 fn replace<T>(path: &Path, body: impl FnOnce(&mut BufWriter<&File>) -> io::Result<T>) -> io::Result<T> {
     let temporary = new_temporary(path)?;
     let value = fill(temporary.as_file(), body)?;
+    // In this order a power failure leaves the old file or the new one, whole.
+    temporary.as_file().sync_all()?;
     temporary.persist(path)?;
+    sync_folder(path);
     Ok(value)
 }
 
@@ -56,6 +59,11 @@ fn new_temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     // The library's own message would show the temporary name.
     builder.tempfile_in(folder_of(path)).map_err(|error| error.kind().into())
+}
+
+/// Makes sure that the name of a file is on the disk. Where folders cannot be synced there is nothing more to be done.
+pub(crate) fn sync_folder(path: &Path) {
+    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
 }
 
 /// The folder a path lies in, `.` for a bare name.

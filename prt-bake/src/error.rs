@@ -96,7 +96,7 @@ pub enum Error {
         difference: String,
     },
     /// Parts do not make a whole.
-    #[error("cannot merge: {0}")]
+    #[error("parts do not fit: {0}")]
     Parts(String),
     /// The caller asked to stop.
     #[error("cancelled")]

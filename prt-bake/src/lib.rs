@@ -59,7 +59,9 @@ pub use file::{
 pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};
 #[cfg(feature = "trace")]
-pub use job::{BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_to_file, journal_info, merge_parts};
+pub use job::{
+    BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_to_file, is_journal, journal_info, merge_parts,
+};
 pub use load::load_mesh;
 pub use material::{SurfaceMaterial, Texture, TextureMap, TextureWrap};
 pub use mesh::{Mesh, MeshOptions, MeshReport, MeshSource, TwoSided};

@@ -190,6 +190,13 @@ fn update_bakes_only_what_changed() {
     assert!(up_to_date(&["--order", "3"]));
     place.write("scene.obj", text.replacen("v ", "v 0.1", 1));
     assert!(!up_to_date(&["--order", "3"]));
+    assert!(!up_to_date(&["--unshadowed"]) && up_to_date(&["--unshadowed"]));
+    assert!(!up_to_date(&["--order", "3"]));
+    // What was baked in a time is as good as it is, however long the next pilot would take.
+    let in_time = ["bake", "scene.obj", "--time", "0.3s", "-o", "timed.prt", "--resume"];
+    let timed = (place.json(&in_time), fs::read(place.path("timed.prt")).unwrap());
+    assert_eq!(place.json(&in_time)["up_to_date"], true);
+    assert!(timed.0["up_to_date"] == false && timed.1 == fs::read(place.path("timed.prt")).unwrap());
     let run = place.run(&["bake", "scene.obj", "--rays", "32", "--update", "--order", "3"]);
     assert_eq!(run.stdout, "scene.prt is up to date\n");
 }

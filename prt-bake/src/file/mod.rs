@@ -49,6 +49,8 @@ pub struct Metadata {
     pub error: Option<f64>,
     /// SHA-256, in hexadecimal, of the mesh and the options that it was baked with: equal for equal bakes.
     pub identity: Option<String>,
+    /// Error at which vertices stopped, if the bake was asked for one.
+    pub target_error: Option<f64>,
     /// Error of zonal lobes: root mean square of what they leave over root mean square of the vectors that they were fitted to.
     pub fit_error: Option<f64>,
 }

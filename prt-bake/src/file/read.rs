@@ -149,6 +149,7 @@ pub(crate) fn metadata(map: &BTreeMap<String, String>) -> Result<Metadata, Reaso
         source: map.get("source").and_then(|text| source(text)),
         identity: map.get("identity").cloned(),
         error: error(map, "error")?,
+        target_error: error(map, "target_error")?,
         fit_error: error(map, "fit_error")?,
     })
 }

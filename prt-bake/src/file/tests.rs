@@ -30,6 +30,7 @@ fn surface() -> BakedSurface {
             source: Some(Source { name: "a b.obj".to_owned(), sha256: "00ff".to_owned() }),
             identity: Some("12ab".to_owned()),
             error: Some(0.001_25),
+            target_error: Some(0.002),
             fit_error: None,
         },
         geometry: geometry(),

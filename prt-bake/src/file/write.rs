@@ -175,7 +175,8 @@ pub(crate) fn metadata(metadata: &Metadata, kind: &str, order: Order) -> BTreeMa
         map.insert("source", format!("{} sha256:{}", source.name, source.sha256));
     }
     map.extend(metadata.identity.iter().map(|identity| ("identity", identity.clone())));
-    let errors = [("error", metadata.error), ("fit_error", metadata.fit_error)];
+    let errors =
+        [("error", metadata.error), ("fit_error", metadata.fit_error), ("target_error", metadata.target_error)];
     map.extend(errors.into_iter().filter_map(|(name, error)| Some((name, format!("{:e}", error?)))));
     map
 }

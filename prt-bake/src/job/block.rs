@@ -36,9 +36,15 @@ impl HitLists {
 }
 
 impl Journal {
-    /// Whether the direct light of a block is done: its transfer is appended last.
+    /// Whether the transfer that a pass brings to a block is there.
     pub(crate) fn has_rows(&self, pass: usize, block: u32) -> bool {
         self.contains(key(pass as u32, block))
+    }
+
+    /// Whether all of the first pass of a block is there, with the hits if light is reflected.
+    pub(crate) fn has_block(&self, block: u32, has_hits: bool) -> bool {
+        let is_there = |pass| self.contains(key(pass, block));
+        is_there(0) && is_there(STATS) && (!has_hits || is_there(HITS))
     }
 
     pub(crate) fn append_rows(&self, pass: usize, block: u32, rows: &[f32]) -> Result<(), Error> {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use sh_core::Order;
 
 use super::Part;
+use super::blocks::Blocks;
 use super::journal::{Journal, Key};
 use crate::{BakeOptions, Error, Mesh};
 
@@ -124,6 +125,14 @@ impl Header {
 
     pub(super) fn part(&self) -> Result<Part, Error> {
         Part::new(self.part.0, self.part.1)
+    }
+
+    /// Whether a journal is the file of this very part, and has all of it.
+    pub(super) fn is_complete_in(&self, journal: &Journal) -> bool {
+        let blocks = Blocks::of(self.vertex_count);
+        let has_all =
+            |part: Part| part.blocks(blocks.count()).all(|block| journal.has_block(block, self.settings.bounces > 0));
+        journal.contains(DONE) && journal.contains(SURFACE) && self.part().is_ok_and(has_all)
     }
 
     pub(super) fn append_to(&self, journal: &Journal) -> Result<(), Error> {

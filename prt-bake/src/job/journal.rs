@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::Error;
+use crate::atomic::sync_folder;
 
 /// First bytes of a journal.
 const MAGIC: &[u8; 8] = b"prtjob1\n";
@@ -18,6 +19,13 @@ const MAGIC: &[u8; 8] = b"prtjob1\n";
 const HEAD: usize = 4 + 4 + 8 + 4;
 /// Longest time for which a power failure can lose what was done. A killed program loses only blocks that were not finished.
 const SYNC_INTERVAL: Duration = Duration::from_secs(20);
+
+/// Whether a file begins as a journal, or the file of a part, does.
+#[must_use]
+pub fn is_journal(path: &Path) -> bool {
+    let mut magic = [0; MAGIC.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == *MAGIC
+}
 
 /// Where the payload of each record begins, and its length.
 type Places = HashMap<Key, (u64, usize)>;
@@ -66,9 +74,9 @@ impl Journal {
     /// If the file cannot be written, or another program is writing it.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
         let start = || {
-            let mut file = open_locked(path)?;
-            file.set_len(0)?;
-            file.write_all(MAGIC)?;
+            let file = open_locked(path)?;
+            begin(&file)?;
+            sync_folder(path);
             Ok(file)
         };
         let file = start().map_err(|cause| Error::Io { action: "write", path: path.to_owned(), cause })?;
@@ -84,8 +92,7 @@ impl Journal {
         let file = open_locked(path).map_err(fail)?;
         if file.metadata().map_err(fail)?.len() < MAGIC.len() as u64 {
             // Killed before anything was written.
-            drop(file);
-            return Self::create(path);
+            begin(&file).map_err(fail)?;
         }
         let (places, end) = scan(&file, path)?;
         file.set_len(end).map_err(fail)?;
@@ -244,14 +251,37 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 fn open_locked(path: &Path) -> io::Result<File> {
+    let is_busy = || io::Error::new(io::ErrorKind::ResourceBusy, "another bake is writing it");
     let file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
     match file.try_lock() {
+        // Who held the lock may have removed or renamed the file before he let go of it.
+        Ok(()) if !is_still_at(&file, path) => Err(is_busy()),
         Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(io::Error::new(io::ErrorKind::ResourceBusy, "another bake is writing it")),
+        Err(TryLockError::WouldBlock) => Err(is_busy()),
         // Some network file systems cannot lock; then nobody watches over two bakes of one name.
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
         Err(TryLockError::Error(error)) => Err(error),
     }
+}
+
+#[cfg(unix)]
+fn is_still_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |metadata: std::fs::Metadata| (metadata.dev(), metadata.ino());
+    let [open, named] = [file.metadata(), std::fs::metadata(path)].map(|metadata| metadata.map(identity).ok());
+    open.is_some() && open == named
+}
+
+#[cfg(not(unix))]
+fn is_still_at(_file: &File, path: &Path) -> bool {
+    path.exists()
+}
+
+/// Empties a journal.
+fn begin(mut file: &File) -> io::Result<()> {
+    file.set_len(0)?;
+    file.rewind()?;
+    file.write_all(MAGIC)
 }
 
 fn damaged(path: &Path, reason: String) -> Error {
@@ -266,10 +296,12 @@ fn checksum(key: Key, payload: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// Finds the whole records from the beginning on, and where they end.
+/// Finds the whole records, and where the last of them ends. One that is damaged is left out; what comes after it counts.
 fn scan(file: &File, path: &Path) -> Result<(Places, u64), Error> {
     let fail = |cause| Error::Io { action: "read", path: path.to_owned(), cause };
     let size = file.metadata().map_err(fail)?.len();
+    let mut file = file;
+    file.rewind().map_err(fail)?;
     let mut input = BufReader::with_capacity(1 << 16, file);
     let mut magic = [0; MAGIC.len()];
     let is_journal = input.read_exact(&mut magic).is_ok() && magic == *MAGIC;
@@ -277,15 +309,21 @@ fn scan(file: &File, path: &Path) -> Result<(Places, u64), Error> {
         return Err(damaged(path, "it does not begin as one".to_owned()));
     }
     let (mut places, mut end, mut payload) = (HashMap::new(), MAGIC.len() as u64, Vec::new());
-    while let Some((key, length)) = next_record(&mut input, size - end, &mut payload).map_err(fail)? {
-        places.insert(key, (end + HEAD as u64, length));
-        end += (HEAD + length) as u64;
+    let mut start = end;
+    while let Some((key, is_whole)) = next_record(&mut input, size - start, &mut payload).map_err(fail)? {
+        let next = start + (HEAD + payload.len()) as u64;
+        if is_whole {
+            places.insert(key, (start + HEAD as u64, payload.len()));
+            end = next;
+        }
+        start = next;
     }
     Ok((places, end))
 }
 
-/// Reads a record; `None` at the end, or at a record that is torn. A claimed length counts only if the file has that many bytes.
-fn next_record(input: &mut impl Read, rest: u64, payload: &mut Vec<u8>) -> io::Result<Option<(Key, usize)>> {
+/// Reads a record, and whether it is as it was written; `None` at the end, or if its length cannot be right. A claimed length counts only
+/// if the file has that many bytes.
+fn next_record(input: &mut impl Read, rest: u64, payload: &mut Vec<u8>) -> io::Result<Option<(Key, bool)>> {
     if rest < HEAD as u64 {
         return Ok(None);
     }
@@ -299,7 +337,7 @@ fn next_record(input: &mut impl Read, rest: u64, payload: &mut Vec<u8>) -> io::R
     }
     payload.clear();
     input.take(length).read_to_end(payload)?;
-    Ok((checksum(key, payload) == word(16)).then_some((key, payload.len())))
+    Ok(Some((key, checksum(key, payload) == word(16))))
 }
 
 /// Reads at a place without moving the position that is shared between threads.

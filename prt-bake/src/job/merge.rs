@@ -58,9 +58,13 @@ struct PartFile {
 impl PartFile {
     fn open(path: &Path) -> Result<Self, Error> {
         let journal = Journal::open(path)?;
-        let header = Header::read(&journal)?.filter(|_| journal.contains(DONE));
-        let header =
-            header.ok_or_else(|| journal.malformed("the bake of this part did not come to its end".to_owned()))?;
+        let header = Header::read(&journal)?;
+        let header = header.ok_or_else(|| journal.malformed("its first record is damaged".to_owned()))?;
+        if !header.is_complete_in(&journal) {
+            let is_done = journal.contains(DONE);
+            let reason = if is_done { "blocks are damaged" } else { "the bake of this part did not come to its end" };
+            return Err(journal.malformed(reason.to_owned()));
+        }
         let part = header.part()?;
         Ok(Self { path: path.to_owned(), journal, header, part })
     }

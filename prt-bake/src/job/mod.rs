@@ -23,6 +23,7 @@ pub(crate) use blocks::Blocks;
 use header::Header;
 pub use info::{JournalInfo, journal_info};
 pub(crate) use journal::Journal;
+pub use journal::is_journal;
 pub use merge::merge_parts;
 pub use part::Part;
 pub(crate) use reflect::Reflector;
@@ -99,6 +100,7 @@ fn finished(
         seed: options.seed,
         shadowed: true,
         error: report.error,
+        target_error: options.target_error,
         identity: Some(header.identity()),
         ..Metadata::default()
     };

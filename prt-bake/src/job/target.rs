@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
 use super::{Part, finished, traced};
+use crate::atomic::sync_folder;
 use crate::parallel::Threads;
 use crate::{
     BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, Source, TransferVectors,
@@ -44,6 +45,11 @@ impl BakeTarget {
     #[must_use]
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into(), part: Part::whole(), unfinished: Unfinished::Refuse, update: false, source: None }
+    }
+
+    /// Whether a result of the same bake is as good as a new one.
+    fn accepts_what_is_there(&self) -> bool {
+        self.update || self.unfinished == Unfinished::Resume
     }
 
     /// Where the work is kept until it is complete.
@@ -88,15 +94,15 @@ pub fn bake_to_file(
         return at_once(mesh, options, target, progress);
     }
     let header = Header::new(mesh, options, target.part);
-    if (target.update || target.unfinished == Unfinished::Resume) && is_done(&target.path, &header) {
-        return up_to_date(target);
+    if target.accepts_what_is_there() && is_done(&target.path, &header) {
+        return up_to_date(target, &header);
     }
+    check_overwritten(target, &header)?;
     let journal = open_journal(target, &header)?;
     let threads = Threads::new(options.threads)?;
     let mut report = BakeReport::default();
     if let Err(error) = traced(mesh, options, target.part, &journal, &threads, progress, &mut report) {
         if !journal.has_blocks() {
-            drop(journal);
             remove(&target.journal_path())?;
         }
         return Err(error);
@@ -117,8 +123,9 @@ pub(super) fn write_result(
     report: BakeReport,
 ) -> Result<FileReport, Error> {
     let bytes = baked.write(path)?;
-    drop(journal);
+    // While it is locked, so that nobody takes it for his own.
     remove(&journal_path(path))?;
+    drop(journal);
     Ok(FileReport {
         bake: report,
         metadata: Some(baked.metadata.clone()),
@@ -146,7 +153,12 @@ fn at_once(
             target.part
         )));
     }
+    let header = Header::new(mesh, options, target.part);
+    if target.accepts_what_is_there() && is_done(&target.path, &header) {
+        return up_to_date(target, &header);
+    }
     let (mut baked, bake) = bake_diffuse(mesh, options, progress)?;
+    baked.metadata.identity = Some(header.identity());
     baked.metadata.source.clone_from(&target.source);
     let bytes = baked.write(&target.path)?;
     let channels = Some(baked.transfer.channels);
@@ -167,15 +179,42 @@ fn is_done(path: &Path, header: &Header) -> bool {
             file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()))
         }
         _ => Journal::open(path).is_ok_and(|journal| {
-            journal.contains(DONE) && Header::read(&journal).is_ok_and(|found| found.as_ref() == Some(header))
+            header.is_complete_in(&journal) && Header::read(&journal).is_ok_and(|found| found.as_ref() == Some(header))
         }),
     }
 }
 
-fn up_to_date(target: &BakeTarget) -> Result<FileReport, Error> {
+/// Says so, and removes a journal of the same bake, which a power failure may have left.
+fn up_to_date(target: &BakeTarget, header: &Header) -> Result<FileReport, Error> {
+    let path = target.journal_path();
+    let is_left_over = |journal: &Journal| Header::read(journal).is_ok_and(|found| found.as_ref() == Some(header));
+    if path.exists() && Journal::resume(&path).is_ok_and(|journal| is_left_over(&journal)) {
+        remove(&path)?;
+    }
     let fail = |cause| Error::Io { action: "read", path: target.path.clone(), cause };
     let bytes = std::fs::metadata(&target.path).map_err(fail)?.len();
     Ok(FileReport { bytes, was_up_to_date: true, ..FileReport::default() })
+}
+
+/// A part takes the place of nothing but itself: not of another part, and not of a baked file.
+fn check_overwritten(target: &BakeTarget, header: &Header) -> Result<(), Error> {
+    if target.part.is_whole() || !target.path.exists() {
+        return Ok(());
+    }
+    let there = Journal::open(&target.path).ok().and_then(|journal| Header::read(&journal).ok().flatten());
+    match there.and_then(|there| there.part().ok()) {
+        Some(part) if part == header.part()? => Ok(()),
+        Some(part) => Err(Error::Parts(format!(
+            "part {part} is in {}, where part {} was to go",
+            target.path.display(),
+            target.part
+        ))),
+        None => Err(Error::Parts(format!(
+            "{} is no part; part {} would take its place",
+            target.path.display(),
+            target.part
+        ))),
+    }
 }
 
 /// A journal with the header of this bake: a new one, or one to go on with.
@@ -188,7 +227,11 @@ fn open_journal(target: &BakeTarget, header: &Header) -> Result<Journal, Error> 
         let journal = Journal::resume(&path)?;
         match Header::read(&journal)? {
             Some(found) => return check_same(&found, header, &path).map(|()| journal),
-            None => drop(journal),
+            None if journal.has_blocks() => return Err(journal.malformed("its first record is damaged".to_owned())),
+            None => {
+                header.append_to(&journal)?;
+                return Ok(journal);
+            }
         }
     }
     let journal = Journal::create(&path)?;
@@ -215,9 +258,11 @@ fn close_part(mesh: &Mesh, target: &BakeTarget, journal: Journal, report: BakeRe
     journal.append(SURFACE, &surface.to_bytes()?)?;
     journal.append(DONE, &[])?;
     journal.sync()?;
-    drop(journal);
     let fail = |cause| Error::Io { action: "write", path: target.path.clone(), cause };
+    // While it is locked, so that nobody takes it for his own.
     std::fs::rename(target.journal_path(), &target.path).map_err(fail)?;
+    sync_folder(&target.path);
+    drop(journal);
     let bytes = std::fs::metadata(&target.path).map_err(fail)?.len();
     Ok(FileReport { bake: report, bytes, ..FileReport::default() })
 }

@@ -160,14 +160,31 @@ fn a_changed_byte_in_a_journal_is_noticed() {
     fs::remove_file(&path).unwrap();
     bake_to_file(&mesh, &options(), &target, &stop_after(2 * mesh.positions().len())).unwrap_err();
     let journal = fs::read(target.journal_path()).unwrap();
+    let mut least_resumed = usize::MAX;
     for place in (8..journal.len()).step_by(journal.len() / 40) {
         let mut changed = journal.clone();
         changed[place] ^= 0x10;
         fs::write(target.journal_path(), &changed).unwrap();
-        bake_to_file(&mesh, &options(), &target, &()).unwrap();
-        assert_eq!(fs::read(&path).unwrap(), expected, "byte {place} changed");
-        fs::remove_file(&path).unwrap();
+        match bake_to_file(&mesh, &options(), &target, &()) {
+            Ok(report) => {
+                assert_eq!(fs::read(&path).unwrap(), expected, "byte {place} changed");
+                least_resumed = least_resumed.min(report.bake.vertices_resumed);
+                fs::remove_file(&path).unwrap();
+            }
+            // What the journal is for cannot be known: it is not thrown away.
+            Err(error) => {
+                assert!(place < 400 && error.to_string().contains("first record is damaged"), "{place}: {error}");
+                assert_eq!(fs::read(target.journal_path()).unwrap(), changed);
+            }
+        }
     }
+    // One block of 16 at most, unless its length was hit and all after it is lost.
+    assert!(least_resumed < usize::MAX, "none was resumed");
+    let mut changed = journal.clone();
+    changed[journal.len() / 3] ^= 0x10;
+    fs::write(target.journal_path(), &changed).unwrap();
+    let report = bake_to_file(&mesh, &options(), &target, &()).unwrap();
+    assert!(report.bake.vertices_resumed + 16 >= mesh.positions().len(), "{}", report.bake.vertices_resumed);
 }
 
 #[test]
@@ -299,6 +316,21 @@ fn what_holds_nothing_is_not_kept_and_what_holds_something_is_not_overwritten() 
     let discard = BakeTarget { unfinished: Unfinished::Discard, ..BakeTarget::new(&path) };
     bake_to_file(&mesh, &options(), &discard, &()).unwrap();
     assert_eq!(files(folder.path()), ["1", "2", "fold.prt"]);
+}
+
+#[test]
+fn a_part_takes_the_place_of_nothing_else() {
+    let (_folder, path) = place();
+    let mesh = fold(4);
+    let part = |number| BakeTarget { part: Part::new(number, 2).unwrap(), ..BakeTarget::new(&path) };
+    let bake = |target: &BakeTarget| bake_to_file(&mesh, &options(), target, &()).map(|_| ());
+    bake(&part(1)).unwrap();
+    bake(&part(1)).unwrap();
+    let error = bake(&part(2)).unwrap_err().to_string();
+    assert!(error.contains("part 1/2 is in") && error.contains("fold.prt"), "{error}");
+    bake(&BakeTarget::new(&path)).unwrap();
+    let error = bake(&part(1)).unwrap_err().to_string();
+    assert!(error.contains("fold.prt is no part"), "{error}");
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub(super) fn trace(
     let blocks = Blocks::of(mesh.positions().len());
     let all = part.blocks(blocks.count());
     let vertex_count = |numbers: &[u32]| numbers.iter().map(|&block| blocks.vertices(block).len()).sum::<usize>();
-    let (done, missing): (Vec<u32>, Vec<u32>) = all.partition(|&block| journal.has_rows(0, block));
+    let (done, missing): (Vec<u32>, Vec<u32>) = all.partition(|&block| journal.has_block(block, options.bounces > 0));
     report.vertices_resumed = vertex_count(&done);
     progress.start(Pass::Direct, vertex_count(&done) + vertex_count(&missing));
     progress.advance(vertex_count(&done), 0);

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use prt_bake::{Error, Image, JournalInfo, Mesh, MeshOptions, file_info, journal_info, load_mesh};
+use prt_bake::{Error, Image, JournalInfo, Mesh, MeshOptions, file_info, is_journal, journal_info, load_mesh};
 use serde::Serialize;
 
 use crate::output;
@@ -70,11 +70,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// By the extension; what is no mesh and no image should be a baked file.
 fn content(path: &Path) -> Result<Content, Error> {
+    if is_journal(path) {
+        return journal(path);
+    }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "glb" | "gltf" | "obj" | "ply" | "off" => mesh(path),
         "hdr" | "pic" | "rgbe" | "exr" | "png" | "jpg" | "jpeg" => image(path),
-        "journal" | "part" => journal(path),
         _ => baked(path),
     }
 }

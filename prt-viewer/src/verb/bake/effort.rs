@@ -6,7 +6,8 @@ use std::time::Duration;
 use anyhow::Context;
 use glam::{Quat, Vec3};
 use prt_bake::{
-    BakeOptions, BakeTarget, Mesh, OrderReport, Progress, Savings, error_for_time, journal_info, recommend_order,
+    BakeOptions, BakeTarget, Mesh, OrderReport, Progress, Savings, error_for_time, file_info, journal_info,
+    recommend_order,
 };
 use serde::Serialize;
 use sh_core::Order;
@@ -108,7 +109,7 @@ impl Effort {
             decision.order_errors = Some(found.errors);
         }
         if let Some(time) = self.time {
-            match target.and_then(error_of_unfinished) {
+            match target.and_then(error_of_earlier) {
                 Some(error) => options.target_error = Some(error),
                 None => {
                     let plan = error_for_time(mesh, options, time, progress)?;
@@ -130,11 +131,16 @@ impl Effort {
     }
 }
 
-/// The error that a bake which is resumed was begun with: its time is not measured again.
-fn error_of_unfinished(target: &BakeTarget) -> Option<f64> {
-    let is_resumed = target.unfinished == prt_bake::Unfinished::Resume;
-    let info = is_resumed.then(|| journal_info(&target.journal_path()).ok())??;
-    info.settings.get("target_error")?.parse().ok()
+/// The error that a bake which is resumed was begun with, or was finished with: its time is not measured again.
+fn error_of_earlier(target: &BakeTarget) -> Option<f64> {
+    if target.unfinished != prt_bake::Unfinished::Resume {
+        return None;
+    }
+    let found = match journal_info(&target.journal_path()) {
+        Ok(info) => info.settings.get("target_error").cloned(),
+        Err(_) => file_info(&target.path).ok()?.metadata.get("target_error").cloned(),
+    };
+    found?.parse().ok()
 }
 
 /// An order in digits, or `auto`.

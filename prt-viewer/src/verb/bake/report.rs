@@ -195,9 +195,12 @@ impl Report {
 
     fn about_rays(&self) -> String {
         let error = self.error.map(|error| format!(", error about {:.2} %", 100.0 * error));
+        let bounces = match self.part {
+            Some(_) => "bounces follow when parts are merged".to_owned(),
+            None => format!("{} bounces", self.bounces),
+        };
         format!(
-            "{} bounces, {} rays in {:.2} s ({:.1} Mrays/s){}",
-            self.bounces,
+            "{bounces}, {} rays in {:.2} s ({:.1} Mrays/s){}",
             output::count(self.rays_traced),
             self.seconds.trace,
             self.mrays_per_second,
