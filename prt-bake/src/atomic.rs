@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
+/// What a file's name ends with while it is not complete.
+const SUFFIX: &str = ".part";
+
 /// Writes a file through a temporary one in the same folder, which takes its name only once it is complete.
 ///
 /// A failure in `body`, a full disk or a killed program leaves an older file of that name as it was.
@@ -54,11 +57,26 @@ fn new_temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut prefix = OsString::from(".");
     prefix.push(name);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".part");
+    builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     // The library's own message would show the temporary name.
     builder.tempfile_in(folder_of(path)).map_err(|error| error.kind().into())
+}
+
+/// Removes what programs left that were killed while they wrote this file. Only for those who know that nobody is writing it.
+#[cfg(feature = "trace")]
+pub(crate) fn remove_leftovers(path: &Path) {
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return };
+    let Ok(entries) = fs::read_dir(folder_of(path)) else { return };
+    // As `new_temporary` names them, with six letters of the library's choice.
+    let is_left = |found: &str| {
+        let letters = found.strip_prefix('.').and_then(|rest| rest.strip_prefix(name)?.strip_suffix(SUFFIX));
+        letters.is_some_and(|letters| letters.len() == 6)
+    };
+    for entry in entries.flatten().filter(|entry| entry.file_name().to_str().is_some_and(is_left)) {
+        let _ = fs::remove_file(entry.path());
+    }
 }
 
 /// Makes sure that the name of a file is on the disk. Where folders cannot be synced there is nothing more to be done.

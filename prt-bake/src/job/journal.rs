@@ -232,8 +232,7 @@ impl JournalFile {
         record.extend_from_slice(payload);
         let mut state = lock(&self.state);
         let start = state.end;
-        (&self.file).seek(io::SeekFrom::Start(start))?;
-        (&self.file).write_all(&record)?;
+        write_at(&self.file, &record, start)?;
         state.end = start + record.len() as u64;
         state.places.insert(key, (start + HEAD as u64, payload.len()));
         if state.synced.elapsed() > SYNC_INTERVAL {
@@ -340,7 +339,24 @@ fn next_record(input: &mut impl Read, rest: u64, payload: &mut Vec<u8>) -> io::R
     Ok(Some((key, checksum(key, payload) == word(16))))
 }
 
-/// Reads at a place without moving the position that is shared between threads.
+/// Writes at a place, whatever the position is that threads share.
+#[cfg(unix)]
+fn write_at(file: &File, bytes: &[u8], start: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::write_all_at(file, bytes, start)
+}
+
+#[cfg(windows)]
+fn write_at(file: &File, mut bytes: &[u8], mut start: u64) -> io::Result<()> {
+    while !bytes.is_empty() {
+        match std::os::windows::fs::FileExt::seek_write(file, bytes, start)? {
+            0 => return Err(io::ErrorKind::WriteZero.into()),
+            count => (bytes, start) = (&bytes[count..], start + count as u64),
+        }
+    }
+    Ok(())
+}
+
+/// Reads at a place, whatever the position is that threads share.
 #[cfg(unix)]
 fn read_at(file: &File, buffer: &mut [u8], start: u64) -> io::Result<()> {
     std::os::unix::fs::FileExt::read_exact_at(file, buffer, start)

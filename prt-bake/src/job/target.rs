@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
 use super::{Part, finished, traced};
-use crate::atomic::sync_folder;
+use crate::atomic::{remove_leftovers, sync_folder};
 use crate::parallel::Threads;
 use crate::{
     BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, Source, TransferVectors,
@@ -122,6 +122,7 @@ pub(super) fn write_result(
     journal: Journal,
     report: BakeReport,
 ) -> Result<FileReport, Error> {
+    remove_leftovers(path);
     let bytes = baked.write(path)?;
     // While it is locked, so that nobody takes it for his own.
     remove(&journal_path(path))?;

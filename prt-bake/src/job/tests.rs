@@ -319,6 +319,19 @@ fn what_holds_nothing_is_not_kept_and_what_holds_something_is_not_overwritten() 
 }
 
 #[test]
+fn what_killed_bakes_left_half_written_is_removed() {
+    let (folder, path) = place();
+    for name in [".fold.prtAbC123.part", ".fold.prtother.prt", ".other.prtAbC123.part", "fold.prtAbC123.part"] {
+        fs::write(folder.path().join(name), "x").unwrap();
+    }
+    bake_to_file(&fold(3), &options(), &BakeTarget::new(&path), &()).unwrap();
+    assert_eq!(
+        files(folder.path()),
+        [".fold.prtother.prt", ".other.prtAbC123.part", "fold.prt", "fold.prtAbC123.part"]
+    );
+}
+
+#[test]
 fn a_part_takes_the_place_of_nothing_else() {
     let (_folder, path) = place();
     let mesh = fold(4);
