@@ -49,7 +49,7 @@ mod zonal;
 #[cfg(feature = "trace")]
 pub use diffuse::{
     BakeReport, LevelCount, OrderReport, Savings, TimePlan, VertexSample, VertexStats, bake_diffuse, bake_vertices,
-    error_for_time, recommend_order,
+    error_for_time, ray_origins, recommend_order,
 };
 pub use environment::Environment;
 pub use error::Error;
@@ -70,7 +70,9 @@ pub use options::{BakeOptions, InsidePolicy};
 pub use patch::{HeightField, Medium, PatchOptions, PatchReport, PatchTransfer, ScatteringReport, bake_patch};
 pub use progress::{Pass, Progress};
 #[cfg(feature = "trace")]
-pub use scene::{Hit, Scene};
+pub use sampling::DirectionSet;
+#[cfg(feature = "trace")]
+pub use scene::{Answered, DirectionTracer, Hit, Scene};
 pub use texels::{Coverage, TexelTransfer};
 #[cfg(feature = "trace")]
 pub use texels::{TexelOptions, TexelReport, bake_texels};

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3, Vec3};
 use sh_core::Order;
 
-use crate::scene::Packet;
+use crate::scene::{Bins, Packet};
 
 /// Number of directions that are traced together.
 pub(crate) const PACKET_SIZE: usize = Packet::SIZE;
@@ -12,12 +12,14 @@ pub(crate) const PACKET_SIZE: usize = Packet::SIZE;
 ///
 /// A spherical Fibonacci set, rotated by a random rotation drawn from the seed and sorted along a Hilbert curve on the octahedral
 /// map. One set serves every vertex: basis functions are tabulated once, and consecutive directions make coherent packets.
-#[derive(Debug)]
-pub(crate) struct DirectionSet {
+#[derive(Debug, Clone)]
+pub struct DirectionSet {
     /// `[D]`, unit length; `D` is a multiple of [`PACKET_SIZE`].
     pub(crate) directions: Vec<Vec3>,
     /// The directions in groups of [`PACKET_SIZE`], ready to be traced.
     pub(crate) packets: Vec<Packet>,
+    /// The packets in groups.
+    pub(crate) bins: Bins,
     /// Number of bands of `basis`.
     pub(crate) order: Order,
     /// Basis functions `[D, n²]`.
@@ -25,8 +27,9 @@ pub(crate) struct DirectionSet {
 }
 
 impl DirectionSet {
-    /// A set with at least `count` directions over the whole sphere.
-    pub(crate) fn new(count: usize, order: Order, seed: u64) -> Self {
+    /// A set with at least `count` directions over the whole sphere: the next multiple of 64.
+    #[must_use]
+    pub fn new(count: usize, order: Order, seed: u64) -> Self {
         let count = count.next_multiple_of(PACKET_SIZE);
         let rotation = random_rotation(&mut Random::new(seed));
         let rotated = sh_core::fibonacci(count).into_iter().map(|s| rotation * DVec3::from_array(s));
@@ -37,7 +40,14 @@ impl DirectionSet {
             sh_core::eval(order, direction.to_array(), row);
         }
         let packets = directions.chunks(PACKET_SIZE).map(Packet::new).collect();
-        Self { directions, packets, order, basis }
+        let bins = Bins::new(&directions, PACKET_SIZE);
+        Self { directions, packets, bins, order, basis }
+    }
+
+    /// `[D]`, unit length, neighbours beside each other.
+    #[must_use]
+    pub fn directions(&self) -> &[Vec3] {
+        &self.directions
     }
 }
 

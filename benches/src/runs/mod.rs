@@ -1,5 +1,6 @@
 //! The list of runs. Each is a file of its own.
 
+mod embree;
 mod error_against_order;
 mod error_against_rays;
 mod exponential;
@@ -42,6 +43,11 @@ pub const RUNS: &[Run] = &[
         name: "sh-core/peers",
         what: "speed of sh-core beside other libraries; started by benches/peers/run.sh [README]",
         run: peers::run,
+    },
+    Run {
+        name: "prt/embree",
+        what: "the rays of a bake beside Embree's, and whether the answers agree; started by benches/embree/run.sh [MESH]",
+        run: embree::run,
     },
     Run {
         name: "prt/error-against-rays",

@@ -102,19 +102,19 @@ impl DirectPass<'_> {
         let (coarse, fine) = seen.split_at_mut(rung);
         let Seen { solid_angle, above, occluded } = &mut fine[0];
         *solid_angle = all_above_horizon(self.normals[vertex], &directions.directions, above);
-        let origin = self.origins[vertex];
+        let (origin, normal) = (self.origins[vertex], Vec3::from_array(self.normals[vertex]));
         let guide = coarser.and_then(|coarser| Some((&coarse[coarser], guides[rung - coarser - 1].as_ref()?)));
         let Some((coarse, guide)) = guide else {
-            return self.scene.occluded_directions(origin, directions, above, stack, occluded);
+            return self.scene.occluded_directions(origin, normal, directions, above, stack, occluded).traced;
         };
         guide.guess([&coarse.above, &coarse.occluded], above, occluded, unknown);
-        let mut rays = self.scene.occluded_directions(origin, directions, unknown, stack, found);
+        let mut rays = self.scene.occluded_directions(origin, normal, directions, unknown, stack, found).traced;
         occluded.iter_mut().zip(&*found).for_each(|(occluded, found)| *occluded |= found);
         // Outlines are followed to where the coarse directions did not see them: no guess stays beside its opposite.
         guessed.clear();
         guessed.extend(above.iter().zip(&*unknown).map(|(above, unknown)| above & !unknown));
         while neighbors.doubt([above, occluded], guessed, unknown) {
-            rays += self.scene.occluded_directions(origin, directions, unknown, stack, found);
+            rays += self.scene.occluded_directions(origin, normal, directions, unknown, stack, found).traced;
             for (((occluded, guessed), unknown), found) in
                 occluded.iter_mut().zip(&mut *guessed).zip(&*unknown).zip(&*found)
             {

@@ -41,8 +41,9 @@ const STEEP_EXIT: f64 = 0.5;
 /// Steps towards the direction that leaves the faces most steeply; it is needed for few vertices.
 const EXIT_STEPS: u32 = 32;
 
-/// For each vertex the origin of its rays, in the frame that the scene is traced in.
-pub(crate) fn ray_origins(mesh: &Mesh, scene: &Scene) -> Vec<Vec3> {
+/// For each vertex the origin of its rays, in the frame of [`Scene::to_unit_cube`].
+#[must_use]
+pub fn ray_origins(mesh: &Mesh, scene: &Scene) -> Vec<Vec3> {
     let rounded: Vec<Vec3> =
         mesh.positions().iter().map(|&position| scene.to_unit_cube(DVec3::from_array(position))).collect();
     let corners = Corners::new(mesh);

@@ -1,5 +1,6 @@
 //! Holes in triangles.
 
+use super::tree::NO_TRIANGLE;
 use crate::{Mesh, SurfaceMaterial};
 
 /// The triangles whose material may have holes, by their place in the order of the leaves.
@@ -22,7 +23,7 @@ struct MaskedFace {
 const OPAQUE: u32 = u32::MAX;
 
 impl Masks {
-    /// - `numbers`: the faces of the mesh in the order of the leaves
+    /// - `numbers`: the faces of the mesh in the order of the leaves, [`NO_TRIANGLE`] where there is none
     pub(super) fn new(mesh: &Mesh, numbers: &[u32]) -> Self {
         let holed: Vec<bool> = mesh.materials().iter().map(SurfaceMaterial::may_have_holes).collect();
         if !holed.contains(&true) {
@@ -30,6 +31,10 @@ impl Masks {
         }
         let mut masks = Self { materials: mesh.materials().to_vec(), ..Self::default() };
         for &number in numbers {
+            if number == NO_TRIANGLE {
+                masks.slots.push(OPAQUE);
+                continue;
+            }
             let material = mesh.material_number(number as usize);
             let slot = if holed.get(material as usize) == Some(&true) {
                 let corner = |barycentric| mesh.texture_uv(number as usize, barycentric);

@@ -1,50 +1,48 @@
 //! Rays against a mesh. The only file that knows the crate that builds the tree.
 
+mod beam;
+mod bins;
+mod bounds;
+mod closest;
+mod lanes;
 mod mask;
+mod occluded;
 mod packet;
+mod ray;
+mod stack;
+mod tracer;
+mod tree;
 mod twins;
+mod wedge;
 
 use glam::{DVec3, Vec3};
+use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
-use obvhs::{BvhBuildParams, bvh2::Bvh2};
 
 use crate::Mesh;
 use crate::sampling::DirectionSet;
+pub(crate) use bins::Bins;
+use bins::Descent;
+pub(crate) use closest::Hits;
+use closest::RayHit;
 use mask::Masks;
-pub(crate) use packet::{Hits, Packet, Stack};
+use occluded::How;
+pub(crate) use packet::Packet;
+pub(crate) use stack::Stack;
+pub use tracer::DirectionTracer;
+use tree::{BinaryNode, Tree};
 use twins::Twins;
-
-/// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
-/// box test for a ray of length 1 in `f32` (about 3e-7), so that a ray that touches a triangle never misses its box.
-const BOX_PADDING: f32 = 1e-6;
 
 /// A mesh prepared for tracing: recentred and scaled in `f64` to a cube of side 1, with a bounding-volume hierarchy.
 ///
 /// The scale is a power of two, so that scaling a scene by a power of two changes no bit of what is traced.
 #[derive(Debug)]
 pub struct Scene {
-    nodes: Vec<Node>,
-    /// Corners in the order of the leaves.
-    triangles: Vec<[Vec3; 3]>,
-    /// For each of `triangles` its number in the mesh.
-    numbers: Vec<u32>,
-    masks: Masks,
+    tree: Tree,
     twins: Twins,
     center: DVec3,
     scale: f64,
-}
-
-/// A box of the tree and what is in it.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-struct Node {
-    lower: Vec3,
-    /// First triangle of a leaf, or first of two children.
-    first: u32,
-    upper: Vec3,
-    /// Number of triangles; 0 in an inner node.
-    count: u32,
 }
 
 /// Where a ray meets the scene first.
@@ -61,6 +59,35 @@ pub struct Hit {
     pub is_front: bool,
 }
 
+/// How the directions of a point were answered: their sum is the number of directions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Answered {
+    /// Rays that were traced one by one.
+    pub traced: u32,
+    /// Directions in bins that meet nothing.
+    pub free: u32,
+    /// Directions in bins that one triangle covers.
+    pub blocked: u32,
+}
+
+impl Answered {
+    fn add(&mut self, how: How, count: u32) {
+        *match how {
+            How::Free => &mut self.free,
+            How::Blocked => &mut self.blocked,
+            How::Traced => &mut self.traced,
+        } += count;
+    }
+}
+
+impl std::ops::AddAssign for Answered {
+    fn add_assign(&mut self, other: Self) {
+        self.traced += other.traced;
+        self.free += other.free;
+        self.blocked += other.blocked;
+    }
+}
+
 impl Scene {
     /// Builds the tree. Costs about 0.03 s for 70,000 triangles.
     #[must_use]
@@ -69,15 +96,14 @@ impl Scene {
         let local = |&vertex: &u32| ((DVec3::from_array(mesh.positions()[vertex as usize]) - center) * scale).as_vec3();
         let given: Vec<[Vec3; 3]> =
             mesh.original_triangles().iter().map(|[a, b, c]| [local(a), local(b), local(c)]).collect();
-        let tree = build_tree(&given);
-        let triangles = tree.primitive_indices.iter().map(|&number| given[number as usize]).collect();
-        let nodes = tree.nodes.iter().map(padded_node).collect();
-        let masks = Masks::new(mesh, &tree.primitive_indices);
-        Self { nodes, triangles, numbers: tree.primitive_indices, masks, twins: Twins::new(mesh), center, scale }
+        let mut tree = build_tree(&given);
+        tree.set_masks(Masks::new(mesh, &tree.numbers));
+        Self { tree, twins: Twins::new(mesh), center, scale }
     }
 
-    /// A point in the frame that is traced in, where the scene is 1 across.
-    pub(crate) fn to_unit_cube(&self, position: DVec3) -> Vec3 {
+    /// A point in the frame that is traced in: the centre of the mesh is its origin, and the scene is more than 1/2 and at most 1 across.
+    #[must_use]
+    pub fn to_unit_cube(&self, position: DVec3) -> Vec3 {
         ((position - self.center) * self.scale).as_vec3()
     }
 
@@ -114,52 +140,63 @@ impl Scene {
     }
 
     /// Of the `directions` whose bit is set in `above` (one word for each packet), those that meet anything from `origin`. `occluded`
-    /// is overwritten. Returns the number of rays that were traced one by one.
+    /// is overwritten.
+    ///
+    /// `normal`: all directions of `above` have a product with it that is not negative; zero if there is no such vector.
     pub(crate) fn occluded_directions(
         &self,
         origin: Vec3,
+        normal: Vec3,
         directions: &DirectionSet,
         above: &[u64],
         stack: &mut Stack,
         occluded: &mut Vec<u64>,
-    ) -> u32 {
+    ) -> Answered {
         occluded.clear();
-        occluded.extend(directions.packets.iter().zip(above).map(|(packet, &rays)| match rays {
-            0 => 0,
-            _ => self.occluded_packet(origin, packet, rays, stack),
-        }));
-        above.iter().map(|rays| rays.count_ones()).sum()
-    }
-
-    fn tree(&self) -> packet::Tree<'_> {
-        packet::Tree { nodes: &self.nodes, triangles: &self.triangles, masks: &self.masks }
+        occluded.resize(above.len(), 0);
+        let (tree, answered) = (&self.tree, Answered::default());
+        Descent { tree, directions, origin, normal, above, stack, occluded, answered }.answer()
     }
 
     /// Of the rays of `packet` whose bit is set in `rays`, those that meet anything.
     pub(crate) fn occluded_packet(&self, origin: Vec3, packet: &Packet, rays: u64, stack: &mut Stack) -> u64 {
-        packet::occluded(self.tree(), origin, packet, rays, stack)
+        stack.entries.clear();
+        stack.entries.push(stack::ROOT);
+        bins::occluded(&self.tree, origin, Vec3::ZERO, packet, rays, stack, 0).0
     }
 
     /// The nearest hit of the rays of `packet` whose bit is set in `rays`.
     pub(crate) fn closest_packet(&self, origin: Vec3, packet: &Packet, rays: u64, hits: &mut Hits, stack: &mut Stack) {
-        packet::closest(self.tree(), origin, packet, rays, hits, stack);
+        if packet.is_worth_a_packet(rays) {
+            closest::closest(&self.tree, origin, packet, rays, hits, stack);
+        } else {
+            hits.find_each(rays, |ray| ray::closest(&self.tree, origin, packet.direction(ray), stack));
+        }
     }
 
     /// What `closest_packet` found for one ray.
     pub(crate) fn hit(&self, hits: &Hits, lane: usize) -> Option<Hit> {
-        let (slot, barycentric, distance, is_front) = hits.get(lane)?;
-        let triangle = self.numbers[slot as usize];
-        let hit = Hit { triangle, barycentric, distance: f64::from(distance) / self.scale, is_front };
-        Some(self.twins.on_the_side_that_is_hit(hit))
+        hits.get(lane).map(|hit| self.scaled(hit))
+    }
+
+    /// The nearest hit of one ray.
+    pub(crate) fn closest_ray(&self, origin: Vec3, direction: Vec3, stack: &mut Stack) -> Option<Hit> {
+        ray::closest(&self.tree, origin, direction, stack).map(|hit| self.scaled(hit))
+    }
+
+    fn scaled(&self, hit: RayHit) -> Hit {
+        self.twins.on_the_side_that_is_hit(Hit {
+            triangle: self.tree.numbers[hit.slot as usize],
+            barycentric: hit.barycentric(),
+            distance: f64::from(hit.distance) / self.scale,
+            is_front: hit.is_front,
+        })
     }
 
     /// Bytes held.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.nodes)
-            + size_of_val(&*self.triangles)
-            + size_of_val(&*self.numbers)
-            + self.masks.memory_bytes()
+        self.tree.memory_bytes()
     }
 }
 
@@ -170,16 +207,19 @@ fn unit_cube(mesh: &Mesh) -> (DVec3, f64) {
     (0.5 * (lower + upper), (-extent.log2().ceil()).exp2())
 }
 
-fn build_tree(triangles: &[[Vec3; 3]]) -> Bvh2 {
+fn build_tree(given: &[[Vec3; 3]]) -> Tree {
     let triangles: Vec<Triangle> =
-        triangles.iter().map(|&[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect();
-    build_bvh2_from_tris(&triangles, BvhBuildParams::medium_build(), &mut std::time::Duration::default())
+        given.iter().map(|&[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect();
+    let params = BvhBuildParams { max_prims_per_leaf: lanes::WIDTH as u32, ..BvhBuildParams::medium_build() };
+    let binary = build_bvh2_from_tris(&triangles, params, &mut std::time::Duration::default());
+    let nodes: Vec<BinaryNode> = binary.nodes.iter().map(binary_node).collect();
+    Tree::new(&nodes, &binary.primitive_indices, given)
 }
 
-fn padded_node(node: &obvhs::bvh2::node::Bvh2Node) -> Node {
-    Node {
-        lower: Vec3::from(node.aabb().min) - BOX_PADDING,
-        upper: Vec3::from(node.aabb().max) + BOX_PADDING,
+fn binary_node(node: &obvhs::bvh2::node::Bvh2Node) -> BinaryNode {
+    BinaryNode {
+        lower: node.aabb().min.into(),
+        upper: node.aabb().max.into(),
         first: node.first_index,
         count: node.prim_count,
     }

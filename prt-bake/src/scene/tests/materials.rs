@@ -82,8 +82,8 @@ fn rays_pass_through_holes_and_nothing_else() {
 #[test]
 fn a_scene_without_holes_keeps_nothing_for_them() {
     let opaque = Scene::new(&soup(3, 50));
-    assert_eq!(opaque.masks.memory_bytes(), 0);
-    assert!(Scene::new(&sieve_over_floor()).masks.memory_bytes() > 0);
+    assert_eq!(opaque.tree.masks.memory_bytes(), 0);
+    assert!(Scene::new(&sieve_over_floor()).tree.masks.memory_bytes() > 0);
 }
 
 #[test]

@@ -1,0 +1,139 @@
+//! The nearest hit of each ray of a packet.
+
+use glam::Vec3;
+use multiversion::multiversion;
+
+use super::beam::Culling;
+use super::bounds::Bounds;
+use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, take_bit, wide_bits};
+use super::packet::Packet;
+use super::stack::{Child, Stack};
+use super::tree::Tree;
+use super::wedge::Wedges;
+
+/// The nearest hit of each ray of a packet.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Hits {
+    /// Infinite where nothing is met.
+    distance: [Lanes<f32>; BLOCKS],
+    nearest: [RayHit; Packet::SIZE],
+}
+
+impl Default for Hits {
+    fn default() -> Self {
+        Self { distance: [[f32::INFINITY; LANES]; BLOCKS], nearest: [RayHit::NONE; Packet::SIZE] }
+    }
+}
+
+/// The nearest hit of a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RayHit {
+    pub(super) slot: u32,
+    /// Infinite where nothing is met.
+    pub(super) distance: f32,
+    /// Barycentric weights of the corners times a common factor.
+    weights: [f32; 3],
+    pub(super) is_front: bool,
+}
+
+impl RayHit {
+    pub(super) const NONE: Self = Self { slot: u32::MAX, distance: f32::INFINITY, weights: [0.0; 3], is_front: false };
+
+    pub(super) fn found(self) -> Option<Self> {
+        self.distance.is_finite().then_some(self)
+    }
+
+    /// Weights of the second and the third corner.
+    pub(super) fn barycentric(&self) -> [f32; 2] {
+        // Where the triangle is seen edge on the weights may be small and negative.
+        let [a, b, c] = self.weights.map(|weight| weight.max(0.0));
+        let sum = (a + b + c).max(f32::MIN_POSITIVE);
+        [b / sum, c / sum]
+    }
+
+    /// Of two hits at the same distance that in the lower slot counts, so that the order of traversal does not matter.
+    fn is_nearer_than(&self, other: &Self) -> bool {
+        self.distance < other.distance || self.distance == other.distance && self.slot < other.slot
+    }
+
+    /// Replaces the hit by one on a triangle of a leaf, if that is nearer.
+    ///
+    /// - `near`, `far`: where the ray passes the box of the leaf
+    #[inline(always)]
+    pub(super) fn meet_leaf(
+        &mut self,
+        wedges: &Wedges,
+        tree: &Tree,
+        child: Child<'_>,
+        direction: Vec3,
+        [near, far]: [f32; 2],
+    ) {
+        let (weights, inside) = wedges.meets_ray(direction);
+        let mut inside = u64::from(wide_bits(&inside));
+        while inside != 0 {
+            let lane = take_bit(&mut inside) % WIDTH;
+            let weights = weights.map(|weight| weight[lane]);
+            let slot = child.triangle(lane);
+            let distance = wedges.distance(lane, direction, near, far);
+            let hit = Self { slot, distance, weights, is_front: wedges.is_front(lane) };
+            if hit.is_nearer_than(self) && tree.masks.is_opaque(slot as usize, weights) {
+                *self = hit;
+            }
+        }
+    }
+}
+
+impl Hits {
+    /// Asks for each of the `rays`; the other entries say that nothing was met.
+    pub(super) fn find_each(&mut self, mut rays: u64, mut find: impl FnMut(usize) -> Option<RayHit>) {
+        *self = Self::default();
+        while rays != 0 {
+            let ray = take_bit(&mut rays);
+            self.nearest[ray] = find(ray).unwrap_or(RayHit::NONE);
+        }
+    }
+
+    pub(super) fn get(&self, ray: usize) -> Option<RayHit> {
+        self.nearest[ray].found()
+    }
+}
+
+/// The nearest hit of each of the `rays`; the other entries of `hits` say that nothing was met.
+#[multiversion(targets("x86_64+avx+avx2"))]
+pub(super) fn closest(tree: &Tree, origin: Vec3, packet: &Packet, rays: u64, hits: &mut Hits, stack: &mut Stack) {
+    closest_portable(tree, origin, packet, rays, hits, stack);
+}
+
+#[inline(always)]
+pub(super) fn closest_portable(
+    tree: &Tree,
+    origin: Vec3,
+    packet: &Packet,
+    rays: u64,
+    hits: &mut Hits,
+    stack: &mut Stack,
+) {
+    *hits = Hits::default();
+    let culling = Culling::new(Some(&packet.beam), Vec3::ZERO, origin);
+    stack.clear();
+    stack.push_node(tree, 0, &culling, packet.beam.mean);
+    while let Some(item) = stack.pop() {
+        let child = item.child(tree);
+        let bounds = Bounds::new(child, origin);
+        let mut meets = bounds.meets(packet, rays, &hits.distance);
+        if meets == 0 {
+            continue;
+        }
+        if !child.is_leaf {
+            stack.push_node(tree, child.number, &culling, packet.beam.mean);
+            continue;
+        }
+        let wedges = Wedges::new(&tree.leaves[child.number as usize], origin);
+        while meets != 0 {
+            let ray = take_bit(&mut meets) % Packet::SIZE;
+            let passage = bounds.passage(packet.reciprocal(ray));
+            hits.nearest[ray].meet_leaf(&wedges, tree, child, packet.direction(ray), passage);
+            hits.distance[ray / LANES][ray % LANES] = hits.nearest[ray].distance;
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Whether the rays of a packet meet anything.
+//!
+//! The eight boxes of a node are tested against the beam that encloses the rays, then one by one against the rays. The triangles of a
+//! leaf are tested against the few rays that meet its box, or against the beam, all together: most are missed, and one may cover it.
+//!
+//! A ray meets a triangle if it passes the box of its leaf and lies inside its wedge. All else leaves out only what no ray meets, so that
+//! answers depend neither on the order of nodes nor on the other rays of a packet nor on where traversal starts.
+
+#![expect(clippy::needless_range_loop, reason = "plain loops over lanes are vectorised; see `lanes`")]
+
+use glam::Vec3;
+use multiversion::multiversion;
+
+use super::beam::{Culling, distances_along};
+use super::bounds::Bounds;
+use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, any, block_bits, ray_bits, take_bit, wide_bits};
+use super::packet::Packet;
+use super::stack::{Child, Entry, Stack};
+use super::tree::Tree;
+use super::wedge::Wedges;
+
+/// How all rays of a packet were answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum How {
+    /// No triangle is in the beam.
+    Free,
+    /// One triangle covers the beam.
+    Blocked,
+    /// Rays were tested one by one.
+    Traced,
+}
+
+/// If no more rays than this meet the box of a leaf, each is tested against all of its triangles, otherwise each triangle against all rays.
+const FEW_RAYS: u32 = 8;
+
+const NO_LIMIT: [Lanes<f32>; BLOCKS] = [[f32::INFINITY; LANES]; BLOCKS];
+
+impl Stack {
+    /// Forgets all, and pushes what the culling leaves of the entries from `first` on, the nearest last.
+    #[inline(always)]
+    fn start(&mut self, tree: &Tree, first: usize, culling: &Culling, along: Vec3) {
+        self.clear();
+        for number in first..self.entries.len() {
+            let Entry { node: number, children } = self.entries[number];
+            let node = &tree.nodes[number as usize];
+            let children = children & culling.children(node);
+            if children != 0 {
+                self.push(number, children, &distances_along(node, along));
+            }
+        }
+        self.sort();
+    }
+
+    /// Pushes what the culling leaves of the children of a node.
+    #[inline(always)]
+    pub(super) fn push_node(&mut self, tree: &Tree, number: u32, culling: &Culling, along: Vec3) {
+        let node = &tree.nodes[number as usize];
+        let children = culling.children(node);
+        if children != 0 {
+            self.push(number, children, &distances_along(node, along));
+        }
+    }
+}
+
+/// Of the `rays`, those that meet any triangle, and how that was found.
+///
+/// - `horizon`: no ray has a negative product with it; zero if there is no such vector
+/// - `first`: traversal starts at the stack's entries from this one on
+#[multiversion(targets("x86_64+avx+avx2"))]
+pub(super) fn occluded(
+    tree: &Tree,
+    origin: Vec3,
+    horizon: Vec3,
+    packet: &Packet,
+    rays: u64,
+    stack: &mut Stack,
+    first: usize,
+) -> (u64, How) {
+    occluded_portable(tree, origin, horizon, packet, rays, stack, first)
+}
+
+#[inline(always)]
+pub(super) fn occluded_portable(
+    tree: &Tree,
+    origin: Vec3,
+    horizon: Vec3,
+    packet: &Packet,
+    rays: u64,
+    stack: &mut Stack,
+    first: usize,
+) -> (u64, How) {
+    let culling = Culling::new(Some(&packet.beam), horizon, origin);
+    stack.start(tree, first, &culling, packet.beam.mean);
+    let mut how = How::Free;
+    let mut left = rays;
+    while let Some(item) = stack.pop() {
+        let child = item.child(tree);
+        let meets = Bounds::new(child, origin).meets(packet, left, &NO_LIMIT);
+        if meets == 0 {
+            continue;
+        }
+        if !child.is_leaf {
+            stack.push_node(tree, child.number, &culling, packet.beam.mean);
+            continue;
+        }
+        let Some(hidden) = hidden_by_leaf(tree, child, origin, packet, meets, &mut how) else {
+            return (rays, if how == How::Free { How::Blocked } else { how });
+        };
+        left &= !hidden;
+        if left == 0 {
+            break;
+        }
+    }
+    (rays & !left, how)
+}
+
+/// Of the `rays`, which pass the box of a leaf, those that meet one of its triangles; nothing if one covers the whole beam.
+#[inline(always)]
+fn hidden_by_leaf(
+    tree: &Tree,
+    child: Child<'_>,
+    origin: Vec3,
+    packet: &Packet,
+    rays: u64,
+    how: &mut How,
+) -> Option<u64> {
+    let leaf = &tree.leaves[child.number as usize];
+    let wedges = Wedges::new(leaf, origin);
+    if leaf.holed != 0 || !packet.beam.is_narrow || rays.count_ones() <= FEW_RAYS {
+        *how = How::Traced;
+        return Some(hidden_ray_by_ray(&wedges, tree, child, packet, rays));
+    }
+    let (candidates, covering) = wedges.against(&packet.beam);
+    if covering != 0 {
+        return None;
+    }
+    if candidates != 0 {
+        *how = How::Traced;
+    }
+    Some(hidden_by_candidates(&wedges, candidates, packet, rays))
+}
+
+#[inline(always)]
+fn hidden_ray_by_ray(wedges: &Wedges, tree: &Tree, child: Child<'_>, packet: &Packet, mut rays: u64) -> u64 {
+    let mut hidden = 0;
+    while rays != 0 {
+        let ray = take_bit(&mut rays);
+        hidden |= u64::from(is_hidden(wedges, tree, child, packet.direction(ray))) << ray;
+    }
+    hidden
+}
+
+/// Whether a ray meets a triangle of a leaf.
+#[inline(always)]
+pub(super) fn is_hidden(wedges: &Wedges, tree: &Tree, child: Child<'_>, direction: Vec3) -> bool {
+    let (weights, inside) = wedges.meets_ray(direction);
+    let leaf = &tree.leaves[child.number as usize];
+    if leaf.holed == 0 {
+        return any(&inside);
+    }
+    let mut inside = u64::from(wide_bits(&inside));
+    while inside != 0 {
+        let lane = take_bit(&mut inside) % WIDTH;
+        if tree.masks.is_opaque(child.triangle(lane) as usize, weights.map(|weight| weight[lane])) {
+            return true;
+        }
+    }
+    false
+}
+
+/// Rays that meet any of the candidates.
+#[inline(always)]
+fn hidden_by_candidates(wedges: &Wedges, candidates: u32, packet: &Packet, rays: u64) -> u64 {
+    let (mut hidden, mut candidates) = ([[0; LANES]; BLOCKS], u64::from(candidates));
+    while candidates != 0 {
+        let wedge = wedges.get(take_bit(&mut candidates) % WIDTH);
+        for block in 0..BLOCKS {
+            if block_bits(rays, block) != 0 {
+                wedge.hide(&packet.direction[block], &mut hidden[block]);
+            }
+        }
+    }
+    ray_bits(&hidden) & rays
+}

@@ -1,0 +1,111 @@
+//! Single rays through the tree: eight boxes or eight triangles at a time. Answers are those of packets, bit for bit.
+
+use glam::Vec3;
+use multiversion::multiversion;
+
+use super::bounds::Bounds;
+use super::closest::RayHit;
+use super::lanes::{WIDTH, larger, mask, smaller, wide_bits};
+use super::occluded::is_hidden;
+use super::packet::{entrance, finite_reciprocal};
+use super::stack::{Entry, Stack};
+use super::tree::Tree;
+use super::wedge::Wedges;
+
+/// A ray, ready to be tested against boxes.
+struct Ray {
+    origin: [f32; 3],
+    reciprocal: [f32; 3],
+    /// For each axis the side of a box at which the ray enters.
+    entrance: [usize; 3],
+}
+
+impl Ray {
+    #[inline(always)]
+    fn new(origin: Vec3, direction: Vec3) -> Self {
+        let reciprocal = direction.to_array().map(finite_reciprocal);
+        Self { origin: origin.to_array(), reciprocal, entrance: reciprocal.map(entrance) }
+    }
+
+    /// Pushes the children that the ray meets nearer than `limit`, the nearest last.
+    #[inline(always)]
+    fn push(&self, tree: &Tree, entry: Entry, limit: f32, stack: &mut Stack) {
+        let node = &tree.nodes[entry.node as usize];
+        let (mut near, mut far) = ([0.0_f32; WIDTH], [limit; WIDTH]);
+        for axis in 0..3 {
+            let entrance = self.entrance[axis] & 1;
+            let (first, last) = (&node.bounds[entrance][axis], &node.bounds[1 - entrance][axis]);
+            for lane in 0..WIDTH {
+                near[lane] = larger(near[lane], (first[lane] - self.origin[axis]) * self.reciprocal[axis]);
+                far[lane] = smaller(far[lane], (last[lane] - self.origin[axis]) * self.reciprocal[axis]);
+            }
+        }
+        let mut meets = [0; WIDTH];
+        for lane in 0..WIDTH {
+            meets[lane] = mask(near[lane] <= far[lane]);
+        }
+        let children = wide_bits(&meets) & node.used & entry.children;
+        // No distance is negative, and bits are in the order of such numbers.
+        stack.push(entry.node, children, &near.map(f32::to_bits));
+    }
+}
+
+fn whole(node: u32) -> Entry {
+    Entry { node, children: u32::MAX }
+}
+
+/// Whether a ray meets anything. Traversal starts at the stack's entries from `first` on.
+#[multiversion(targets("x86_64+avx+avx2"))]
+pub(super) fn occluded(tree: &Tree, origin: Vec3, direction: Vec3, stack: &mut Stack, first: usize) -> bool {
+    occluded_portable(tree, origin, direction, stack, first)
+}
+
+#[inline(always)]
+pub(super) fn occluded_portable(tree: &Tree, origin: Vec3, direction: Vec3, stack: &mut Stack, first: usize) -> bool {
+    let ray = Ray::new(origin, direction);
+    stack.clear();
+    for number in first..stack.entries.len() {
+        let entry = stack.entries[number];
+        ray.push(tree, entry, f32::INFINITY, stack);
+    }
+    while let Some(item) = stack.pop() {
+        let child = item.child(tree);
+        if !child.is_leaf {
+            ray.push(tree, whole(child.number), f32::INFINITY, stack);
+            continue;
+        }
+        let wedges = Wedges::new(&tree.leaves[child.number as usize], origin);
+        if is_hidden(&wedges, tree, child, direction) {
+            return true;
+        }
+    }
+    false
+}
+
+/// The nearest hit of a ray.
+#[multiversion(targets("x86_64+avx+avx2"))]
+pub(super) fn closest(tree: &Tree, origin: Vec3, direction: Vec3, stack: &mut Stack) -> Option<RayHit> {
+    closest_portable(tree, origin, direction, stack)
+}
+
+#[inline(always)]
+pub(super) fn closest_portable(tree: &Tree, origin: Vec3, direction: Vec3, stack: &mut Stack) -> Option<RayHit> {
+    let ray = Ray::new(origin, direction);
+    let mut nearest = RayHit::NONE;
+    stack.clear();
+    ray.push(tree, whole(0), f32::INFINITY, stack);
+    while let Some(item) = stack.pop() {
+        if f32::from_bits(item.distance()) > nearest.distance {
+            continue;
+        }
+        let child = item.child(tree);
+        if !child.is_leaf {
+            ray.push(tree, whole(child.number), nearest.distance, stack);
+            continue;
+        }
+        let wedges = Wedges::new(&tree.leaves[child.number as usize], origin);
+        let passage = Bounds::new(child, origin).passage(ray.reciprocal);
+        nearest.meet_leaf(&wedges, tree, child, direction, passage);
+    }
+    nearest.found()
+}

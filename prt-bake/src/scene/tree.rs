@@ -1,0 +1,183 @@
+//! A tree of eight-fold nodes, collapsed from a binary one.
+
+use glam::Vec3;
+
+use super::lanes::{WIDTH, Wide};
+use super::mask::Masks;
+
+/// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
+/// box test for a ray of length 1 in `f32` (about 4e-7) and than what triangles are widened by, so that a ray that touches a
+/// triangle never misses its box.
+const BOX_PADDING: f32 = 4e-6;
+
+/// Boxes of up to eight children.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// `[side][axis]`, side 0 is the lower one.
+    pub(super) bounds: [[Wide<f32>; 3]; 2],
+    /// Number of a node, or of a leaf.
+    pub(super) child: Wide<u32>,
+    /// A bit for each child that there is.
+    pub(super) used: u32,
+    /// A bit for each child that is a leaf.
+    pub(super) leaves: u32,
+}
+
+/// Up to eight triangles; those that there are not have no area.
+#[derive(Debug, Clone)]
+#[repr(C, align(32))]
+pub(super) struct Leaf {
+    /// `[corner][axis]`.
+    pub(super) corners: [[Wide<f32>; 3]; 3],
+    /// A bit for each triangle that may have holes.
+    pub(super) holed: u32,
+}
+
+/// In place of the number of a triangle.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+
+/// The triangles of a scene.
+#[derive(Debug, Clone)]
+pub(super) struct Tree {
+    /// The root is the first.
+    pub(super) nodes: Vec<Node>,
+    pub(super) leaves: Vec<Leaf>,
+    /// For each slot, eight for each leaf, the number of the triangle as it was given.
+    pub(super) numbers: Vec<u32>,
+    pub(super) masks: Masks,
+}
+
+/// A box of a binary tree and what is in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BinaryNode {
+    pub(super) lower: Vec3,
+    pub(super) upper: Vec3,
+    /// First triangle of a leaf in the list of triangles, or first of two children.
+    pub(super) first: u32,
+    /// Number of triangles; 0 in an inner node.
+    pub(super) count: u32,
+}
+
+impl BinaryNode {
+    fn children(&self) -> [u32; 2] {
+        [self.first, self.first + 1]
+    }
+
+    /// Half of the surface.
+    fn area(&self) -> f32 {
+        let size = self.upper - self.lower;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+}
+
+impl Tree {
+    /// Collapses a binary tree, whose root is its first node.
+    ///
+    /// - `order`: numbers of the triangles, in the order in which the leaves refer to them
+    pub(super) fn new(nodes: &[BinaryNode], order: &[u32], triangles: &[[Vec3; 3]]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), numbers: Vec::new(), masks: Masks::default() };
+        let mut collapse = Collapse { counts: vec![0; nodes.len()], nodes, order, triangles };
+        collapse.count(0);
+        collapse.add_node(0, &mut tree);
+        tree
+    }
+
+    pub(super) fn set_masks(&mut self, masks: Masks) {
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            let holed = |slot: usize| u32::from(masks.may_have_holes(number * WIDTH + slot)) << slot;
+            leaf.holed = (0..WIDTH).map(holed).sum();
+        }
+        self.masks = masks;
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        let triangles = size_of_val(&*self.leaves) + size_of_val(&*self.numbers);
+        size_of_val(&*self.nodes) + triangles + self.masks.memory_bytes()
+    }
+}
+
+/// A binary tree that is being collapsed.
+struct Collapse<'a> {
+    nodes: &'a [BinaryNode],
+    /// Triangles below each node.
+    counts: Vec<u32>,
+    order: &'a [u32],
+    triangles: &'a [[Vec3; 3]],
+}
+
+impl Collapse<'_> {
+    fn count(&mut self, number: u32) -> u32 {
+        let node = self.nodes[number as usize];
+        let count =
+            if node.count > 0 { node.count } else { node.children().map(|child| self.count(child)).iter().sum() };
+        self.counts[number as usize] = count;
+        count
+    }
+
+    /// Everything below fits into one leaf, or cannot be split.
+    fn is_leaf(&self, number: u32) -> bool {
+        self.counts[number as usize] as usize <= WIDTH
+    }
+
+    fn add_node(&self, number: u32, tree: &mut Tree) -> u32 {
+        let here = tree.nodes.len();
+        tree.nodes.push(Node { bounds: [[[0.0; WIDTH]; 3]; 2], child: [0; WIDTH], used: 0, leaves: 0 });
+        for (slot, child) in self.children(number).into_iter().enumerate() {
+            let is_leaf = self.is_leaf(child);
+            let reference = if is_leaf { self.add_leaf(child, tree) } else { self.add_node(child, tree) };
+            let (node, from) = (&mut tree.nodes[here], &self.nodes[child as usize]);
+            for axis in 0..3 {
+                node.bounds[0][axis][slot] = from.lower[axis] - BOX_PADDING;
+                node.bounds[1][axis][slot] = from.upper[axis] + BOX_PADDING;
+            }
+            node.child[slot] = reference;
+            node.used |= 1 << slot;
+            node.leaves |= u32::from(is_leaf) << slot;
+        }
+        here as u32
+    }
+
+    /// Opens the largest boxes until there are eight.
+    fn children(&self, number: u32) -> Vec<u32> {
+        let mut children = vec![number];
+        while children.len() < WIDTH {
+            let area = |slot: &usize| self.nodes[children[*slot] as usize].area();
+            let inner = (0..children.len()).filter(|&slot| !self.is_leaf(children[slot]));
+            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
+            let [left, right] = self.nodes[children[largest] as usize].children();
+            children[largest] = left;
+            children.push(right);
+        }
+        children
+    }
+
+    fn add_leaf(&self, number: u32, tree: &mut Tree) -> u32 {
+        let mut numbers = Vec::with_capacity(WIDTH);
+        self.collect(number, &mut numbers);
+        // What is left over lies in one corner.
+        let first = self.triangles[numbers[0] as usize][0];
+        let mut leaf = Leaf { corners: [first.to_array().map(|component| [component; WIDTH]); 3], holed: 0 };
+        for (slot, &triangle) in numbers.iter().enumerate() {
+            for (corner, position) in self.triangles[triangle as usize].iter().enumerate() {
+                for axis in 0..3 {
+                    leaf.corners[corner][axis][slot] = position[axis];
+                }
+            }
+        }
+        numbers.resize(WIDTH, NO_TRIANGLE);
+        tree.numbers.extend(numbers);
+        tree.leaves.push(leaf);
+        (tree.leaves.len() - 1) as u32
+    }
+
+    /// The numbers of all triangles below a node.
+    fn collect(&self, number: u32, numbers: &mut Vec<u32>) {
+        let node = self.nodes[number as usize];
+        if node.count > 0 {
+            numbers.extend(&self.order[node.first as usize..][..node.count as usize]);
+        } else {
+            node.children().into_iter().for_each(|child| self.collect(child, numbers));
+        }
+    }
+}
