@@ -57,7 +57,8 @@ impl Wedges {
             let b = [bx[lane] - origin.x, by[lane] - origin.y, bz[lane] - origin.z];
             let c = [cx[lane] - origin.x, cy[lane] - origin.y, cz[lane] - origin.z];
             let normal = cross(difference(b, a), difference(c, a));
-            let volume = dot(a, normal);
+            // Any corner will do. The rounding of the normal, which is large where the face is a needle, counts least with the nearest.
+            let volume = dot(nearest(nearest(a, b), c), normal);
             let sign = if volume < 0.0 { -1.0 } else { 1.0 };
             // The front, from which corners run counter-clockwise, turns to the origin if the normal does.
             wedges.is_front[lane] = mask(volume < 0.0);
@@ -181,6 +182,13 @@ fn edge_plane(p: [f32; 3], q: [f32; 3]) -> ([f32; 3], f32) {
         if is_near { 2.0 * q[2] } else { edge[2] },
     ];
     (cross(a, b), PLANE_TOLERANCE * smaller(near, far))
+}
+
+/// That of two points which lies nearer to the origin.
+#[inline(always)]
+fn nearest(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    let is_b = size(b) < size(a);
+    [if is_b { b[0] } else { a[0] }, if is_b { b[1] } else { a[1] }, if is_b { b[2] } else { a[2] }]
 }
 
 /// Largest component.
