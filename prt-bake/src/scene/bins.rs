@@ -15,7 +15,7 @@ use super::occluded::{self, How};
 use super::packet::Packet;
 use super::ray;
 use super::stack::{Entry, ROOT, Stack};
-use super::tree::{Node, Tree};
+use super::tree::{Leaf, Tree};
 use super::wedge::Wedges;
 use crate::sampling::DirectionSet;
 
@@ -154,77 +154,99 @@ pub(super) fn occluded(
     answer
 }
 
-/// Appends what a bin may meet of the stack's entries from `first` on, opening large boxes, the nearest last. True if one triangle covers
-/// the bin.
+/// Appends what a bin may meet of the stack's entries from `first` on, opening large boxes. True if one triangle covers the bin.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn refine(tree: &Tree, origin: Vec3, beam: Option<&Beam>, culling: &Culling, stack: &mut Stack, first: usize) -> bool {
-    refine_portable(tree, origin, beam, culling, stack, first)
+    let beam = beam.filter(|beam| beam.is_narrow);
+    Refinement { tree, origin, beam, culling }.refine(stack, first)
 }
 
-#[inline(always)]
-fn refine_portable(
-    tree: &Tree,
+struct Refinement<'a> {
+    tree: &'a Tree,
     origin: Vec3,
-    beam: Option<&Beam>,
-    culling: &Culling,
-    stack: &mut Stack,
-    first: usize,
-) -> bool {
-    for number in first..stack.entries.len() {
-        stack.pending.clear();
-        stack.pending.push(stack.entries[number]);
-        while let Some(Entry { node: number, children }) = stack.pending.pop() {
-            let node = &tree.nodes[number as usize];
-            let mut children = children & culling.children(node);
-            if children == 0 {
-                continue;
+    beam: Option<&'a Beam>,
+    culling: &'a Culling,
+}
+
+impl Refinement<'_> {
+    #[inline(always)]
+    fn refine(&self, stack: &mut Stack, first: usize) -> bool {
+        for number in first..stack.entries.len() {
+            let entry = stack.entries[number];
+            if entry.is_unopened() {
+                stack.pending.push(entry.node);
+            } else if self.refine_entry(entry, stack) {
+                return true;
             }
-            let wide = children & wide_children(node, origin, OPENING_RATIO);
-            match near_leaves(tree, node, wide & node.leaves, origin, beam, culling) {
-                None => return true,
-                Some(left) => children &= !(wide & node.leaves) | left,
-            }
-            let mut inner = wide & !node.leaves;
-            children &= !inner;
-            while inner != 0 {
-                let slot = inner.trailing_zeros() as usize % WIDTH;
-                inner &= inner - 1;
-                stack.pending.push(Entry { node: node.child[slot], children: u32::MAX });
-            }
-            if children != 0 {
-                stack.entries.push(Entry { node: number, children });
+            while let Some(number) = stack.pending.pop() {
+                if self.open(number, stack) {
+                    stack.pending.clear();
+                    return true;
+                }
             }
         }
+        false
     }
-    false
-}
 
-/// Of the `leaves` of a node those with triangles that a bin may meet; nothing if one covers it.
-#[inline(always)]
-fn near_leaves(
-    tree: &Tree,
-    node: &Node,
-    mut leaves: u32,
-    origin: Vec3,
-    beam: Option<&Beam>,
-    culling: &Culling,
-) -> Option<u32> {
-    let mut left = 0;
-    while leaves != 0 {
-        let slot = leaves.trailing_zeros();
-        leaves &= leaves - 1;
-        let leaf = &tree.leaves[node.child[slot as usize % WIDTH] as usize];
-        let mut candidates = culling.triangles(leaf);
-        if let Some(beam) = beam.filter(|beam| beam.is_narrow && candidates != 0) {
-            let (may_meet, covering) = Wedges::new(leaf, origin).against(beam);
-            if covering & !leaf.holed != 0 {
+    /// Appends what is left of an entry. True if a triangle covers the bin.
+    #[inline(always)]
+    fn refine_entry(&self, entry: Entry, stack: &mut Stack) -> bool {
+        let node = &self.tree.nodes[entry.node as usize];
+        let children = entry.children & self.culling.children(node);
+        self.keep(entry.node, children, entry.near_leaves & children, stack)
+    }
+
+    /// Appends what is left of a node; those of its children that are wide and no leaves are still to be opened. True if a triangle
+    /// covers the bin.
+    #[inline(always)]
+    fn open(&self, number: u32, stack: &mut Stack) -> bool {
+        let node = &self.tree.nodes[number as usize];
+        let children = self.culling.children(node);
+        if children == 0 {
+            return false;
+        }
+        let wide = children & wide_children(node, self.origin, OPENING_RATIO);
+        let mut inner = wide & !node.leaves;
+        let children = children & !inner;
+        while inner != 0 {
+            let slot = inner.trailing_zeros() as usize % WIDTH;
+            inner &= inner - 1;
+            stack.pending.push(node.child[slot]);
+        }
+        self.keep(number, children, wide & node.leaves, stack)
+    }
+
+    /// Appends children of a node, `near_leaves` only where the bin may meet their triangles. True if one of these covers the bin.
+    #[inline(always)]
+    fn keep(&self, number: u32, children: u32, near_leaves: u32, stack: &mut Stack) -> bool {
+        let (mut kept, mut left) = (0, near_leaves);
+        while left != 0 {
+            let slot = left.trailing_zeros();
+            left &= left - 1;
+            let leaf = self.tree.nodes[number as usize].child[slot as usize % WIDTH];
+            let Some(may_be_met) = self.may_meet(&self.tree.leaves[leaf as usize]) else { return true };
+            kept |= u32::from(may_be_met) << slot;
+        }
+        let children = children & !near_leaves | kept;
+        if children != 0 {
+            stack.entries.push(Entry { node: number, children, near_leaves: kept });
+        }
+        false
+    }
+
+    /// Whether the bin may meet triangles of a leaf; nothing if one covers it.
+    #[inline(always)]
+    fn may_meet(&self, leaf: &Leaf) -> Option<bool> {
+        let mut candidates = self.culling.triangles(leaf);
+        if let Some(beam) = self.beam.filter(|_| candidates != 0) {
+            let (may_meet, covering) = Wedges::new(leaf, self.origin).against(beam);
+            if covering & !leaf.outline.holed != 0 {
                 return None;
             }
             candidates &= may_meet;
         }
-        left |= u32::from(candidates != 0) << slot;
+        Some(candidates != 0)
     }
-    Some(left)
 }
 
 /// How many bits are set.

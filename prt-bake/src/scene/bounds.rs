@@ -2,9 +2,13 @@
 
 use glam::Vec3;
 
-use super::lanes::{BLOCKS, LANES, Lanes, block_bits, larger, mask, ray_bits, smaller};
+use super::lanes::{BLOCKS, LANES, Lanes, block_bits, larger, mask, ray_bits, smaller, take_bit};
 use super::packet::Packet;
+use super::slab::Slab;
 use super::stack::Child;
+
+/// If no more rays than this meet the box of a leaf, each is tested against all of its triangles, otherwise each triangle against all rays.
+pub(super) const FEW_RAYS: u32 = 8;
 
 /// The lower and the upper corner of a box, relative to the origin.
 #[derive(Clone, Copy)]
@@ -36,9 +40,9 @@ impl Bounds {
         [near, far]
     }
 
-    /// Of the `rays`, those that meet the box nearer than their limit.
+    /// Marks the rays that meet the box nearer than their limit. Blocks without a ray of `rays` are left out.
     #[inline(always)]
-    pub(super) fn meets(&self, packet: &Packet, rays: u64, limit: &[Lanes<f32>; BLOCKS]) -> u64 {
+    pub(super) fn meets(&self, packet: &Packet, rays: u64, limit: &[Lanes<f32>; BLOCKS]) -> [Lanes<u32>; BLOCKS] {
         let mut meets = [[0; LANES]; BLOCKS];
         match packet.entrance {
             Some(entrance) => {
@@ -62,7 +66,22 @@ impl Bounds {
                 }
             }
         }
-        ray_bits(&meets) & rays
+        meets
+    }
+
+    /// Of the `rays`, which all meet the box, those that pass its slab in it.
+    #[inline(always)]
+    pub(super) fn slab_rays(&self, slab: &Slab, packet: &Packet, rays: u64) -> u64 {
+        if rays.count_ones() <= FEW_RAYS {
+            let (mut left, mut passing) = (rays, 0);
+            while left != 0 {
+                let ray = take_bit(&mut left) % Packet::SIZE;
+                let passage = self.passage(packet.reciprocal(ray));
+                passing |= u64::from(slab.holds_some_of(packet.direction(ray).to_array(), passage)) << ray;
+            }
+            return passing;
+        }
+        rays
     }
 
     #[inline(always)]

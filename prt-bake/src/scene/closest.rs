@@ -5,7 +5,7 @@ use multiversion::multiversion;
 
 use super::beam::Culling;
 use super::bounds::Bounds;
-use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, take_bit, wide_bits};
+use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, any_ray, ray_bits, take_bit, wide_bits};
 use super::packet::Packet;
 use super::stack::{Child, Stack};
 use super::tree::Tree;
@@ -120,15 +120,20 @@ pub(super) fn closest_portable(
     while let Some(item) = stack.pop() {
         let child = item.child(tree);
         let bounds = Bounds::new(child, origin);
-        let mut meets = bounds.meets(packet, rays, &hits.distance);
-        if meets == 0 {
+        let meets = bounds.meets(packet, rays, &hits.distance);
+        if !any_ray(&meets) {
             continue;
         }
         if !child.is_leaf {
             stack.push_node(tree, child.number, &culling, packet.beam.mean);
             continue;
         }
-        let wedges = Wedges::new(&tree.leaves[child.number as usize], origin);
+        let leaf = &tree.leaves[child.number as usize];
+        let mut meets = bounds.slab_rays(&leaf.outline.slab.from(origin), packet, ray_bits(&meets) & rays);
+        if meets == 0 {
+            continue;
+        }
+        let wedges = Wedges::new(leaf, origin);
         while meets != 0 {
             let ray = take_bit(&mut meets) % Packet::SIZE;
             let passage = bounds.passage(packet.reciprocal(ray));

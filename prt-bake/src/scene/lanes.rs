@@ -47,6 +47,16 @@ pub(super) fn any<const N: usize>(lanes: &[u32; N]) -> bool {
     any != 0
 }
 
+/// Whether any ray is marked.
+#[inline(always)]
+pub(super) fn any_ray(masks: &[Lanes<u32>; BLOCKS]) -> bool {
+    let mut any = [0; LANES];
+    for lane in 0..LANES {
+        any[lane] = masks[0][lane] | masks[1][lane] | masks[2][lane] | masks[3][lane];
+    }
+    self::any(&any)
+}
+
 /// A bit for each child or triangle whose mask is set.
 #[inline(always)]
 pub(super) fn wide_bits(lanes: &Wide<u32>) -> u32 {

@@ -9,6 +9,7 @@ mod mask;
 mod occluded;
 mod packet;
 mod ray;
+mod slab;
 mod stack;
 mod tracer;
 mod tree;

@@ -12,8 +12,8 @@ use glam::Vec3;
 use multiversion::multiversion;
 
 use super::beam::{Culling, distances_along};
-use super::bounds::Bounds;
-use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, any, block_bits, ray_bits, take_bit, wide_bits};
+use super::bounds::{Bounds, FEW_RAYS};
+use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, any, any_ray, block_bits, ray_bits, take_bit, wide_bits};
 use super::packet::Packet;
 use super::stack::{Child, Entry, Stack};
 use super::tree::Tree;
@@ -30,23 +30,18 @@ pub(super) enum How {
     Traced,
 }
 
-/// If no more rays than this meet the box of a leaf, each is tested against all of its triangles, otherwise each triangle against all rays.
-const FEW_RAYS: u32 = 8;
-
-const NO_LIMIT: [Lanes<f32>; BLOCKS] = [[f32::INFINITY; LANES]; BLOCKS];
+/// A ray with this limit meets no box.
+const NOWHERE: f32 = -1.0;
 
 impl Stack {
-    /// Forgets all, and pushes what the culling leaves of the entries from `first` on, the nearest last.
+    /// Forgets all, and pushes the entries from `first` on, the nearest last.
     #[inline(always)]
-    fn start(&mut self, tree: &Tree, first: usize, culling: &Culling, along: Vec3) {
+    fn start(&mut self, tree: &Tree, first: usize, along: Vec3) {
         self.clear();
         for number in first..self.entries.len() {
-            let Entry { node: number, children } = self.entries[number];
+            let Entry { node: number, children, .. } = self.entries[number];
             let node = &tree.nodes[number as usize];
-            let children = children & culling.children(node);
-            if children != 0 {
-                self.push(number, children, &distances_along(node, along));
-            }
+            self.push(number, children & node.used, &distances_along(node, along));
         }
         self.sort();
     }
@@ -90,28 +85,51 @@ pub(super) fn occluded_portable(
     first: usize,
 ) -> (u64, How) {
     let culling = Culling::new(Some(&packet.beam), horizon, origin);
-    stack.start(tree, first, &culling, packet.beam.mean);
+    stack.start(tree, first, packet.beam.mean);
     let mut how = How::Free;
     let mut left = rays;
+    let mut limit = limits(rays);
     while let Some(item) = stack.pop() {
         let child = item.child(tree);
-        let meets = Bounds::new(child, origin).meets(packet, left, &NO_LIMIT);
-        if meets == 0 {
+        let bounds = Bounds::new(child, origin);
+        let meets = bounds.meets(packet, left, &limit);
+        if !any_ray(&meets) {
             continue;
         }
         if !child.is_leaf {
             stack.push_node(tree, child.number, &culling, packet.beam.mean);
             continue;
         }
-        let Some(hidden) = hidden_by_leaf(tree, child, origin, packet, meets, &mut how) else {
+        let near = bounds.slab_rays(&tree.leaves[child.number as usize].outline.slab.from(origin), packet, ray_bits(&meets));
+        if near == 0 {
+            continue;
+        }
+        let Some(hidden) = hidden_by_leaf(tree, child, origin, packet, near, &mut how) else {
             return (rays, if how == How::Free { How::Blocked } else { how });
         };
+        if hidden == 0 {
+            continue;
+        }
         left &= !hidden;
+        limit = limits(left);
         if left == 0 {
             break;
         }
     }
     (rays & !left, how)
+}
+
+/// How far each ray counts: without limit if it is one of `rays`, else nowhere.
+#[inline(always)]
+fn limits(rays: u64) -> [Lanes<f32>; BLOCKS] {
+    let mut limits = [[0.0; LANES]; BLOCKS];
+    for block in 0..BLOCKS {
+        let bits = block_bits(rays, block);
+        for lane in 0..LANES {
+            limits[block][lane] = if bits & 1 << lane != 0 { f32::INFINITY } else { NOWHERE };
+        }
+    }
+    limits
 }
 
 /// Of the `rays`, which pass the box of a leaf, those that meet one of its triangles; nothing if one covers the whole beam.
@@ -126,7 +144,7 @@ fn hidden_by_leaf(
 ) -> Option<u64> {
     let leaf = &tree.leaves[child.number as usize];
     let wedges = Wedges::new(leaf, origin);
-    if leaf.holed != 0 || !packet.beam.is_narrow || rays.count_ones() <= FEW_RAYS {
+    if leaf.outline.holed != 0 || !packet.beam.is_narrow || rays.count_ones() <= FEW_RAYS {
         *how = How::Traced;
         return Some(hidden_ray_by_ray(&wedges, tree, child, packet, rays));
     }
@@ -155,7 +173,7 @@ fn hidden_ray_by_ray(wedges: &Wedges, tree: &Tree, child: Child<'_>, packet: &Pa
 pub(super) fn is_hidden(wedges: &Wedges, tree: &Tree, child: Child<'_>, direction: Vec3) -> bool {
     let (weights, inside) = wedges.meets_ray(direction);
     let leaf = &tree.leaves[child.number as usize];
-    if leaf.holed == 0 {
+    if leaf.outline.holed == 0 {
         return any(&inside);
     }
     let mut inside = u64::from(wide_bits(&inside));

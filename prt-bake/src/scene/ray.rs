@@ -50,10 +50,6 @@ impl Ray {
     }
 }
 
-fn whole(node: u32) -> Entry {
-    Entry { node, children: u32::MAX }
-}
-
 /// Whether a ray meets anything. Traversal starts at the stack's entries from `first` on.
 #[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn occluded(tree: &Tree, origin: Vec3, direction: Vec3, stack: &mut Stack, first: usize) -> bool {
@@ -71,10 +67,15 @@ pub(super) fn occluded_portable(tree: &Tree, origin: Vec3, direction: Vec3, stac
     while let Some(item) = stack.pop() {
         let child = item.child(tree);
         if !child.is_leaf {
-            ray.push(tree, whole(child.number), f32::INFINITY, stack);
+            ray.push(tree, Entry::unopened(child.number), f32::INFINITY, stack);
             continue;
         }
-        let wedges = Wedges::new(&tree.leaves[child.number as usize], origin);
+        let leaf = &tree.leaves[child.number as usize];
+        let passage = Bounds::new(child, origin).passage(ray.reciprocal);
+        if !leaf.outline.slab.from(origin).holds_some_of(direction.to_array(), passage) {
+            continue;
+        }
+        let wedges = Wedges::new(leaf, origin);
         if is_hidden(&wedges, tree, child, direction) {
             return true;
         }
@@ -93,18 +94,22 @@ pub(super) fn closest_portable(tree: &Tree, origin: Vec3, direction: Vec3, stack
     let ray = Ray::new(origin, direction);
     let mut nearest = RayHit::NONE;
     stack.clear();
-    ray.push(tree, whole(0), f32::INFINITY, stack);
+    ray.push(tree, Entry::unopened(0), f32::INFINITY, stack);
     while let Some(item) = stack.pop() {
         if f32::from_bits(item.distance()) > nearest.distance {
             continue;
         }
         let child = item.child(tree);
         if !child.is_leaf {
-            ray.push(tree, whole(child.number), nearest.distance, stack);
+            ray.push(tree, Entry::unopened(child.number), nearest.distance, stack);
             continue;
         }
-        let wedges = Wedges::new(&tree.leaves[child.number as usize], origin);
+        let leaf = &tree.leaves[child.number as usize];
         let passage = Bounds::new(child, origin).passage(ray.reciprocal);
+        if !leaf.outline.slab.from(origin).holds_some_of(direction.to_array(), passage) {
+            continue;
+        }
+        let wedges = Wedges::new(leaf, origin);
         nearest.meet_leaf(&wedges, tree, child, direction, passage);
     }
     nearest.found()

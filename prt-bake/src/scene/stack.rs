@@ -14,7 +14,7 @@ pub(crate) struct Stack {
     /// Where traversal starts, for each level of bins.
     pub(super) entries: Vec<Entry>,
     /// Nodes that a bin opens.
-    pub(super) pending: Vec<Entry>,
+    pub(super) pending: Vec<u32>,
 }
 
 /// A child of a node that a ray may meet. The high half grows with its distance, the low half is the number of the node and of the child.
@@ -26,10 +26,24 @@ pub(super) struct Item(u64);
 pub(super) struct Entry {
     pub(super) node: u32,
     pub(super) children: u32,
+    /// Those of them that are leaves wider than their distance.
+    pub(super) near_leaves: u32,
 }
 
 /// Where traversal of the whole tree starts.
-pub(super) const ROOT: Entry = Entry { node: 0, children: u32::MAX };
+pub(super) const ROOT: Entry = Entry::unopened(0);
+
+impl Entry {
+    /// All children of a node.
+    pub(super) const fn unopened(node: u32) -> Self {
+        Self { node, children: u32::MAX, near_leaves: 0 }
+    }
+
+    #[inline(always)]
+    pub(super) fn is_unopened(self) -> bool {
+        self.children == u32::MAX
+    }
+}
 
 /// A child of a node.
 #[derive(Clone, Copy)]

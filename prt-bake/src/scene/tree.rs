@@ -2,13 +2,14 @@
 
 use glam::Vec3;
 
-use super::lanes::{WIDTH, Wide};
+use super::lanes::{WIDTH, Wide, larger};
 use super::mask::Masks;
+use super::slab::Slab;
 
 /// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
 /// box test for a ray of length 1 in `f32` (about 4e-7) and than what triangles are widened by, so that a ray that touches a
 /// triangle never misses its box.
-const BOX_PADDING: f32 = 4e-6;
+pub(super) const BOX_PADDING: f32 = 4e-6;
 
 /// Boxes of up to eight children.
 #[derive(Debug, Clone)]
@@ -26,12 +27,33 @@ pub(super) struct Node {
 
 /// Up to eight triangles; those that there are not have no area.
 #[derive(Debug, Clone)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Leaf {
+    pub(super) outline: Outline,
     /// `[corner][axis]`.
     pub(super) corners: [[Wide<f32>; 3]; 3],
+}
+
+/// What is asked first about a leaf, in one line of the cache.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(super) struct Outline {
+    pub(super) slab: Slab,
+    /// Middle of the box of all corners.
+    center: [f32; 3],
+    /// From a point farther from the middle than this along any axis, no corner is nearer than the longest extent of the box.
+    near: f32,
     /// A bit for each triangle that may have holes.
     pub(super) holed: u32,
+}
+
+impl Outline {
+    /// Whether each corner is at least as far from a point, along some axis, as from any other corner.
+    #[inline(always)]
+    pub(super) fn is_far_from(&self, origin: Vec3) -> bool {
+        let [x, y, z] = self.center;
+        larger(larger((x - origin.x).abs(), (y - origin.y).abs()), (z - origin.z).abs()) > self.near
+    }
 }
 
 /// In place of the number of a triangle.
@@ -86,7 +108,7 @@ impl Tree {
     pub(super) fn set_masks(&mut self, masks: Masks) {
         for (number, leaf) in self.leaves.iter_mut().enumerate() {
             let holed = |slot: usize| u32::from(masks.may_have_holes(number * WIDTH + slot)) << slot;
-            leaf.holed = (0..WIDTH).map(holed).sum();
+            leaf.outline.holed = (0..WIDTH).map(holed).sum();
         }
         self.masks = masks;
     }
@@ -157,7 +179,13 @@ impl Collapse<'_> {
         self.collect(number, &mut numbers);
         // What is left over lies in one corner.
         let first = self.triangles[numbers[0] as usize][0];
-        let mut leaf = Leaf { corners: [first.to_array().map(|component| [component; WIDTH]); 3], holed: 0 };
+        let corners = [first.to_array().map(|component| [component; WIDTH]); 3];
+        let from = self.nodes[number as usize];
+        let center = (0.5 * (from.lower + from.upper)).to_array();
+        // Half of the extent on this side of the middle, and all of it from there on.
+        let near = 1.5 * (from.upper - from.lower).max_element();
+        let slab = Slab::new(numbers.iter().map(|&triangle| self.triangles[triangle as usize]));
+        let mut leaf = Leaf { outline: Outline { slab, center, near, holed: 0 }, corners };
         for (slot, &triangle) in numbers.iter().enumerate() {
             for (corner, position) in self.triangles[triangle as usize].iter().enumerate() {
                 for axis in 0..3 {

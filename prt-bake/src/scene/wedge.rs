@@ -51,6 +51,22 @@ impl Wedges {
             volume: [0.0; WIDTH],
             is_front: [0; WIDTH],
         };
+        if leaf.outline.is_far_from(origin) {
+            wedges.fill(leaf, origin, |a, _, _| a, far_edge_plane);
+        } else {
+            wedges.fill(leaf, origin, nearest, edge_plane);
+        }
+        wedges
+    }
+
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        leaf: &Leaf,
+        origin: Vec3,
+        nearest: impl Fn([f32; 3], [f32; 3], [f32; 3]) -> [f32; 3],
+        edge_plane: impl Fn([f32; 3], [f32; 3]) -> ([f32; 3], f32),
+    ) {
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = &leaf.corners;
         for lane in 0..WIDTH {
             let a = [ax[lane] - origin.x, ay[lane] - origin.y, az[lane] - origin.z];
@@ -58,27 +74,26 @@ impl Wedges {
             let c = [cx[lane] - origin.x, cy[lane] - origin.y, cz[lane] - origin.z];
             let normal = cross(difference(b, a), difference(c, a));
             // Any corner will do. The rounding of the normal, which is large where the face is a needle, counts least with the nearest.
-            let volume = dot(nearest(nearest(a, b), c), normal);
+            let volume = dot(nearest(a, b, c), normal);
             let sign = if volume < 0.0 { -1.0 } else { 1.0 };
             // The front, from which corners run counter-clockwise, turns to the origin if the normal does.
-            wedges.is_front[lane] = mask(volume < 0.0);
-            wedges.volume[lane] = volume * sign;
+            self.is_front[lane] = mask(volume < 0.0);
+            self.volume[lane] = volume * sign;
             for axis in 0..3 {
-                wedges.normal[axis][lane] = normal[axis] * sign;
+                self.normal[axis][lane] = normal[axis] * sign;
             }
             let (plane_a, tolerance_a) = edge_plane(b, c);
             let (plane_b, tolerance_b) = edge_plane(c, a);
             let (plane_c, tolerance_c) = edge_plane(a, b);
             for axis in 0..3 {
-                wedges.planes[0][axis][lane] = plane_a[axis] * sign;
-                wedges.planes[1][axis][lane] = plane_b[axis] * sign;
-                wedges.planes[2][axis][lane] = plane_c[axis] * sign;
+                self.planes[0][axis][lane] = plane_a[axis] * sign;
+                self.planes[1][axis][lane] = plane_b[axis] * sign;
+                self.planes[2][axis][lane] = plane_c[axis] * sign;
             }
-            wedges.tolerance[0][lane] = tolerance_a;
-            wedges.tolerance[1][lane] = tolerance_b;
-            wedges.tolerance[2][lane] = tolerance_c;
+            self.tolerance[0][lane] = tolerance_a;
+            self.tolerance[1][lane] = tolerance_b;
+            self.tolerance[2][lane] = tolerance_c;
         }
-        wedges
     }
 
     /// A bit for each triangle that rays of the beam may meet, and for each that all of them meet.
@@ -184,11 +199,21 @@ fn edge_plane(p: [f32; 3], q: [f32; 3]) -> ([f32; 3], f32) {
     (cross(a, b), PLANE_TOLERANCE * smaller(near, far))
 }
 
-/// That of two points which lies nearer to the origin.
+/// The same where no corner is nearer to the origin than to the other.
 #[inline(always)]
-fn nearest(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    let is_b = size(b) < size(a);
-    [if is_b { b[0] } else { a[0] }, if is_b { b[1] } else { a[1] }, if is_b { b[2] } else { a[2] }]
+fn far_edge_plane(p: [f32; 3], q: [f32; 3]) -> ([f32; 3], f32) {
+    let (sum, edge) = ([p[0] + q[0], p[1] + q[1], p[2] + q[2]], difference(q, p));
+    (cross(sum, edge), PLANE_TOLERANCE * (size(sum) * size(edge)))
+}
+
+/// That of three points which lies nearest to the origin.
+#[inline(always)]
+fn nearest(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
+    let nearer = |a: [f32; 3], b: [f32; 3]| {
+        let is_b = size(b) < size(a);
+        [if is_b { b[0] } else { a[0] }, if is_b { b[1] } else { a[1] }, if is_b { b[2] } else { a[2] }]
+    };
+    nearer(nearer(a, b), c)
 }
 
 /// Largest component.
