@@ -1,18 +1,23 @@
 //! Boxes as seen from the origin of rays.
 
+#![expect(clippy::needless_range_loop, reason = "plain loops over lanes are vectorised; see `lanes`")]
+
 use glam::Vec3;
 
-use super::lanes::{BLOCKS, LANES, Lanes, block_bits, larger, mask, ray_bits, smaller, take_bit};
+use super::lanes::{BLOCKS, LANES, Lanes, block_bits, larger, mask, smaller, take_bit};
 use super::packet::Packet;
 use super::slab::Slab;
 use super::stack::Child;
 
 /// If no more rays than this meet the box of a leaf, each is tested against all of its triangles, otherwise each triangle against all rays.
-pub(super) const FEW_RAYS: u32 = 8;
+pub(super) const FEW_RAYS: u32 = 12;
 
 /// The lower and the upper corner of a box, relative to the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds([[f32; 3]; 2]);
+
+/// A ray with this limit meets no box.
+const NOWHERE: f32 = -1.0;
 
 impl Bounds {
     #[inline(always)]
@@ -69,19 +74,20 @@ impl Bounds {
         meets
     }
 
-    /// Of the `rays`, which all meet the box, those that pass its slab in it.
+    /// Of the `rays`, which all meet the box, those that pass the slab of its leaf in it. That is asked only where they are few: it costs more
+    /// than it saves for many.
     #[inline(always)]
     pub(super) fn slab_rays(&self, slab: &Slab, packet: &Packet, rays: u64) -> u64 {
-        if rays.count_ones() <= FEW_RAYS {
-            let (mut left, mut passing) = (rays, 0);
-            while left != 0 {
-                let ray = take_bit(&mut left) % Packet::SIZE;
-                let passage = self.passage(packet.reciprocal(ray));
-                passing |= u64::from(slab.holds_some_of(packet.direction(ray).to_array(), passage)) << ray;
-            }
-            return passing;
+        if rays.count_ones() > FEW_RAYS {
+            return rays;
         }
-        rays
+        let (mut left, mut passing) = (rays, 0);
+        while left != 0 {
+            let ray = take_bit(&mut left) % Packet::SIZE;
+            let passage = self.passage(packet.reciprocal(ray));
+            passing |= u64::from(slab.holds_some_of(packet.direction(ray), passage)) << ray;
+        }
+        passing
     }
 
     #[inline(always)]
@@ -105,4 +111,17 @@ fn meets_in_octant(first: [f32; 3], last: [f32; 3], reciprocal: &[Lanes<f32>; 3]
         meets[lane] = mask(near <= far);
     }
     meets
+}
+
+/// How far each ray counts: without limit if it is one of `rays`, else nowhere.
+#[inline(always)]
+pub(super) fn limits(rays: u64) -> [Lanes<f32>; BLOCKS] {
+    let mut limits = [[0.0; LANES]; BLOCKS];
+    for block in 0..BLOCKS {
+        let bits = block_bits(rays, block);
+        for lane in 0..LANES {
+            limits[block][lane] = if bits & 1 << lane != 0 { f32::INFINITY } else { NOWHERE };
+        }
+    }
+    limits
 }

@@ -4,8 +4,8 @@ use glam::Vec3;
 use multiversion::multiversion;
 
 use super::beam::Culling;
-use super::bounds::Bounds;
-use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, any_ray, ray_bits, take_bit, wide_bits};
+use super::bounds::{Bounds, limits};
+use super::lanes::{LANES, WIDTH, any_ray, ray_bits, take_bit, wide_bits};
 use super::packet::Packet;
 use super::stack::{Child, Stack};
 use super::tree::Tree;
@@ -14,14 +14,12 @@ use super::wedge::Wedges;
 /// The nearest hit of each ray of a packet.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Hits {
-    /// Infinite where nothing is met.
-    distance: [Lanes<f32>; BLOCKS],
     nearest: [RayHit; Packet::SIZE],
 }
 
 impl Default for Hits {
     fn default() -> Self {
-        Self { distance: [[f32::INFINITY; LANES]; BLOCKS], nearest: [RayHit::NONE; Packet::SIZE] }
+        Self { nearest: [RayHit::NONE; Packet::SIZE] }
     }
 }
 
@@ -114,13 +112,14 @@ pub(super) fn closest_portable(
     stack: &mut Stack,
 ) {
     *hits = Hits::default();
+    let mut limit = limits(rays);
     let culling = Culling::new(Some(&packet.beam), Vec3::ZERO, origin);
     stack.clear();
     stack.push_node(tree, 0, &culling, packet.beam.mean);
     while let Some(item) = stack.pop() {
         let child = item.child(tree);
         let bounds = Bounds::new(child, origin);
-        let meets = bounds.meets(packet, rays, &hits.distance);
+        let meets = bounds.meets(packet, rays, &limit);
         if !any_ray(&meets) {
             continue;
         }
@@ -129,7 +128,7 @@ pub(super) fn closest_portable(
             continue;
         }
         let leaf = &tree.leaves[child.number as usize];
-        let mut meets = bounds.slab_rays(&leaf.outline.slab.from(origin), packet, ray_bits(&meets) & rays);
+        let mut meets = bounds.slab_rays(&leaf.outline.slab.from(origin), packet, ray_bits(&meets));
         if meets == 0 {
             continue;
         }
@@ -138,7 +137,7 @@ pub(super) fn closest_portable(
             let ray = take_bit(&mut meets) % Packet::SIZE;
             let passage = bounds.passage(packet.reciprocal(ray));
             hits.nearest[ray].meet_leaf(&wedges, tree, child, packet.direction(ray), passage);
-            hits.distance[ray / LANES][ray % LANES] = hits.nearest[ray].distance;
+            limit[ray / LANES][ray % LANES] = hits.nearest[ray].distance;
         }
     }
 }

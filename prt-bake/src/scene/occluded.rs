@@ -12,8 +12,8 @@ use glam::Vec3;
 use multiversion::multiversion;
 
 use super::beam::{Culling, distances_along};
-use super::bounds::{Bounds, FEW_RAYS};
-use super::lanes::{BLOCKS, LANES, Lanes, WIDTH, any, any_ray, block_bits, ray_bits, take_bit, wide_bits};
+use super::bounds::{Bounds, FEW_RAYS, limits};
+use super::lanes::{BLOCKS, LANES, WIDTH, any, any_ray, block_bits, ray_bits, take_bit, wide_bits};
 use super::packet::Packet;
 use super::stack::{Child, Entry, Stack};
 use super::tree::Tree;
@@ -29,9 +29,6 @@ pub(super) enum How {
     /// Rays were tested one by one.
     Traced,
 }
-
-/// A ray with this limit meets no box.
-const NOWHERE: f32 = -1.0;
 
 impl Stack {
     /// Forgets all, and pushes the entries from `first` on, the nearest last.
@@ -100,7 +97,8 @@ pub(super) fn occluded_portable(
             stack.push_node(tree, child.number, &culling, packet.beam.mean);
             continue;
         }
-        let near = bounds.slab_rays(&tree.leaves[child.number as usize].outline.slab.from(origin), packet, ray_bits(&meets));
+        let slab = tree.leaves[child.number as usize].outline.slab.from(origin);
+        let near = bounds.slab_rays(&slab, packet, ray_bits(&meets));
         if near == 0 {
             continue;
         }
@@ -117,19 +115,6 @@ pub(super) fn occluded_portable(
         }
     }
     (rays & !left, how)
-}
-
-/// How far each ray counts: without limit if it is one of `rays`, else nowhere.
-#[inline(always)]
-fn limits(rays: u64) -> [Lanes<f32>; BLOCKS] {
-    let mut limits = [[0.0; LANES]; BLOCKS];
-    for block in 0..BLOCKS {
-        let bits = block_bits(rays, block);
-        for lane in 0..LANES {
-            limits[block][lane] = if bits & 1 << lane != 0 { f32::INFINITY } else { NOWHERE };
-        }
-    }
-    limits
 }
 
 /// Of the `rays`, which pass the box of a leaf, those that meet one of its triangles; nothing if one covers the whole beam.

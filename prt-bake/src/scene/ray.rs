@@ -72,7 +72,7 @@ pub(super) fn occluded_portable(tree: &Tree, origin: Vec3, direction: Vec3, stac
         }
         let leaf = &tree.leaves[child.number as usize];
         let passage = Bounds::new(child, origin).passage(ray.reciprocal);
-        if !leaf.outline.slab.from(origin).holds_some_of(direction.to_array(), passage) {
+        if !leaf.outline.slab.from(origin).holds_some_of(direction, passage) {
             continue;
         }
         let wedges = Wedges::new(leaf, origin);
@@ -106,7 +106,7 @@ pub(super) fn closest_portable(tree: &Tree, origin: Vec3, direction: Vec3, stack
         }
         let leaf = &tree.leaves[child.number as usize];
         let passage = Bounds::new(child, origin).passage(ray.reciprocal);
-        if !leaf.outline.slab.from(origin).holds_some_of(direction.to_array(), passage) {
+        if !leaf.outline.slab.from(origin).holds_some_of(direction, passage) {
             continue;
         }
         let wedges = Wedges::new(leaf, origin);

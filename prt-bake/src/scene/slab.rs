@@ -1,7 +1,7 @@
 //! The space between two parallel planes that hold the triangles of a leaf.
 //!
 //! Boxes around a surface that is slanted to the axes are thick; most rays that pass such a box at a low angle to the surface stay on one
-//! side of it. A leaf is nearly flat, so that its slab tells.
+//! side of it, and so of its slab. It leaves out only what no ray meets.
 
 use glam::Vec3;
 
@@ -37,11 +37,11 @@ impl Slab {
         Self { lower: self.lower - height, upper: self.upper - height, ..*self }
     }
 
-    /// Whether a part of a ray from the origin is in it.
+    /// Whether a ray from the origin is in it anywhere from `near` to `far`.
     #[inline(always)]
-    pub(super) fn holds_some_of(&self, direction: [f32; 3], [near, far]: [f32; 2]) -> bool {
+    pub(super) fn holds_some_of(&self, direction: Vec3, [near, far]: [f32; 2]) -> bool {
         let [x, y, z] = self.normal;
-        let slope = x * direction[0] + y * direction[1] + z * direction[2];
+        let slope = x * direction.x + y * direction.y + z * direction.z;
         let (first, last) = (near * slope, far * slope);
         (larger(first, last) >= self.lower) & (smaller(first, last) <= self.upper)
     }
