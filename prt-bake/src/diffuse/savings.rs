@@ -11,7 +11,8 @@ pub struct Savings {
     pub fixed_directions: u64,
     /// Directions of the finest set that each vertex was given.
     pub directions: u64,
-    /// Rays that were traced one by one, from all sets and for reflected light; what else was needed was known from neighbouring directions.
+    /// Rays that were traced one by one, from all sets and for reflected light. What else was needed was proven for whole bins of directions, or
+    /// known from neighbouring ones.
     pub rays: u64,
     /// Vertices from which no direction is occluded: their transfer is the unshadowed one, exact.
     pub open_vertices: usize,

@@ -8,6 +8,7 @@ use crate::{MeshOptions, MeshSource};
 
 mod materials;
 mod same_answers;
+mod slabs;
 
 fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh::new(MeshSource { positions, triangles, ..MeshSource::default() }, &MeshOptions::default()).unwrap().0
