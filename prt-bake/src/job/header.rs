@@ -123,13 +123,17 @@ impl Header {
         Self { part: (1, 1), ..self.clone() }
     }
 
+    pub(super) fn blocks(&self) -> Blocks {
+        Blocks::of(self.vertex_count, self.settings.rays_per_vertex)
+    }
+
     pub(super) fn part(&self) -> Result<Part, Error> {
         Part::new(self.part.0, self.part.1)
     }
 
     /// Whether a journal is the file of this very part, and has all of it.
     pub(super) fn is_complete_in(&self, journal: &Journal) -> bool {
-        let blocks = Blocks::of(self.vertex_count);
+        let blocks = self.blocks();
         let has_all =
             |part: Part| part.blocks(blocks.count()).all(|block| journal.has_block(block, self.settings.bounces > 0));
         journal.contains(DONE) && journal.contains(SURFACE) && self.part().is_ok_and(has_all)

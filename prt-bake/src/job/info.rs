@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::Part;
-use super::blocks::Blocks;
 use super::header::{DONE, Header};
 use super::journal::{Journal, Key};
 use crate::Error;
@@ -35,7 +34,7 @@ pub fn journal_info(path: &Path) -> Result<JournalInfo, Error> {
     let header = Header::read(&journal)?;
     let header = header.ok_or_else(|| journal.malformed("it was stopped before it was begun".to_owned()))?;
     let part = header.part()?;
-    let blocks = Blocks::of(header.vertex_count);
+    let blocks = header.blocks();
     let vertices = |block: u32| blocks.vertices(block).len();
     let all = part.blocks(blocks.count());
     Ok(JournalInfo {

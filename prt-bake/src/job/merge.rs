@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::blocks::Blocks;
 use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
 use super::target::{FileReport, journal_path, write_result};
@@ -30,7 +29,7 @@ pub fn merge_parts(
     parts.iter().try_for_each(|part| part.copy_to(&journal, progress))?;
     let threads = Threads::new(options.threads)?;
     let mut report = BakeReport { threads: threads.count(), ..BakeReport::default() };
-    let blocks = Blocks::of(header.vertex_count);
+    let blocks = header.blocks();
     count(&mut report, &options, journal.all_stats(blocks, 0..blocks.count())?);
     let mut baked = finished(surface.geometry, &header, &options, &journal, &threads, progress, &mut report)?;
     baked.metadata.source = surface.metadata.source;

@@ -58,7 +58,7 @@ fn traced(
     report.threads = threads.count();
     trace::trace(mesh, options, part, journal, threads, progress, report)?;
     report.trace = start.elapsed().saturating_sub(report.build);
-    let blocks = Blocks::of(mesh.positions().len());
+    let blocks = Blocks::of(mesh.positions().len(), options.rays_per_vertex);
     count(report, options, journal.all_stats(blocks, part.blocks(blocks.count()))?);
     Ok(())
 }
@@ -80,7 +80,7 @@ fn finished(
     let reflector = Reflector {
         journal,
         triangles,
-        vertex_count: header.vertex_count,
+        blocks: header.blocks(),
         channels: header.channels,
         order,
         bounces,

@@ -13,7 +13,7 @@ use crate::{Error, Pass, Progress, TransferVectors};
 pub(crate) struct Reflector<'a> {
     pub(crate) journal: &'a Journal,
     pub(crate) triangles: &'a [[u32; 3]],
-    pub(crate) vertex_count: usize,
+    pub(crate) blocks: Blocks,
     /// Of the result: colour is carried only if it is reflected.
     pub(crate) channels: usize,
     pub(crate) order: Order,
@@ -27,10 +27,6 @@ pub(crate) struct Reflector<'a> {
 }
 
 impl Reflector<'_> {
-    fn blocks(&self) -> Blocks {
-        Blocks::of(self.vertex_count)
-    }
-
     /// Follows the bounces that were asked for, and writes down what each adds. Returns the lengths of what they added, relative to direct
     /// transfer.
     pub(crate) fn reflect(&self, progress: &dyn Progress) -> Result<Vec<f64>, Error> {
@@ -42,7 +38,7 @@ impl Reflector<'_> {
         let mut before = self.read_pass(0)?;
         let direct_length = length(&before);
         for bounce in 1..=self.bounces {
-            progress.start(Pass::Bounce(bounce), self.vertex_count);
+            progress.start(Pass::Bounce(bounce), self.blocks.vertex_count());
             self.bounce(bounce, before, progress)?;
             before = self.read_pass(bounce)?;
             let share = length(&before) / direct_length.max(f64::MIN_POSITIVE);
@@ -56,7 +52,7 @@ impl Reflector<'_> {
 
     /// One more bounce, for the blocks that the journal does not have yet.
     fn bounce(&self, bounce: usize, before: TransferVectors, progress: &dyn Progress) -> Result<(), Error> {
-        let blocks = self.blocks();
+        let blocks = self.blocks;
         let (done, missing): (Vec<u32>, Vec<u32>) =
             (0..blocks.count()).partition(|&block| self.journal.has_rows(bounce, block));
         progress.advance(done.iter().map(|&block| blocks.vertices(block).len()).sum(), 0);
@@ -78,11 +74,11 @@ impl Reflector<'_> {
     fn read_pass(&self, pass: usize) -> Result<TransferVectors, Error> {
         let channels = self.channels;
         let read_channels = if pass == 0 { 1 } else { channels };
-        let mut transfer = TransferVectors::zero(self.vertex_count, channels, self.order);
+        let mut transfer = TransferVectors::zero(self.blocks.vertex_count(), channels, self.order);
         let length = self.order.coeff_count();
         let mut rows = Vec::new();
-        for block in 0..self.blocks().count() {
-            let vertices = self.blocks().vertices(block);
+        for block in 0..self.blocks.count() {
+            let vertices = self.blocks.vertices(block);
             rows.resize(vertices.len() * read_channels * length, 0.0);
             self.journal.read_rows(pass, block, &mut rows)?;
             let out = &mut transfer.values[vertices.start * channels * length..];
@@ -106,8 +102,8 @@ impl Reflector<'_> {
         let length = total.channels * self.order.coeff_count();
         let mut rows = Vec::new();
         for bounce in 1..=bounces {
-            for block in 0..self.blocks().count() {
-                let vertices = self.blocks().vertices(block);
+            for block in 0..self.blocks.count() {
+                let vertices = self.blocks.vertices(block);
                 rows.resize(vertices.len() * length, 0.0);
                 self.journal.read_rows(bounce, block, &mut rows)?;
                 let sums = &mut total.values[vertices.start * length..];

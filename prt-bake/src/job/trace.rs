@@ -20,7 +20,7 @@ pub(super) fn trace(
     progress: &dyn Progress,
     report: &mut BakeReport,
 ) -> Result<(), Error> {
-    let blocks = Blocks::of(mesh.positions().len());
+    let blocks = Blocks::of(mesh.positions().len(), options.rays_per_vertex);
     let all = part.blocks(blocks.count());
     let vertex_count = |numbers: &[u32]| numbers.iter().map(|&block| blocks.vertices(block).len()).sum::<usize>();
     let (done, missing): (Vec<u32>, Vec<u32>) = all.partition(|&block| journal.has_block(block, options.bounces > 0));

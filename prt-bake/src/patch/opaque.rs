@@ -35,6 +35,10 @@ impl<'a> Opaque<'a> {
         })
     }
 
+    fn blocks(&self) -> Blocks {
+        Blocks::of(self.field.texel_count(), self.options.rays_per_texel)
+    }
+
     pub(super) fn direct<'b>(&'b self, directions: &'b DirectionSet) -> DirectPass<'b> {
         DirectPass { surface: &self.surface, directions, normals: &self.normals, heights: self.field.heights() }
     }
@@ -52,7 +56,7 @@ impl<'a> Opaque<'a> {
         let reflector = Reflector {
             journal: &journal,
             triangles: &triangles,
-            vertex_count: self.field.texel_count(),
+            blocks: self.blocks(),
             channels: if bounces > 0 { self.options.channel_count() } else { 1 },
             order: self.options.order,
             bounces,
@@ -72,7 +76,7 @@ impl<'a> Opaque<'a> {
         progress: &dyn Progress,
         report: &mut PatchReport,
     ) -> Result<(), Error> {
-        let blocks = Blocks::of(self.field.texel_count());
+        let blocks = self.blocks();
         let pass = self.direct(&self.directions);
         progress.start(Pass::Direct, self.field.texel_count());
         let numbers: Vec<u32> = (0..blocks.count()).collect();
