@@ -17,7 +17,11 @@ const WRONG_USAGE: u8 = 2;
 pub(crate) fn result(json: bool, report: &impl Serialize, summary: impl FnOnce() -> String) -> anyhow::Result<()> {
     let text = if json { serde_json::to_string(report).context("cannot write JSON")? } else { summary() };
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write to the standard output")
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        // Who reads it has read enough.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write to the standard output"),
+    }
 }
 
 /// A line for people on the standard error.

@@ -2,7 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::{MeshReport, MeshSource, corners, weld_positions};
+use glam::DVec3;
+
+use super::{Mesh, MeshReport, MeshSource, corners, weld_positions};
 use crate::{Error, SurfaceMaterial};
 
 /// A face is degenerate if twice its area is at most about this fraction of its longest edge squared. Three points on a line, rounded
@@ -104,12 +106,35 @@ fn is_finite(positions: &[[f64; 3]], triangle: [u32; 3]) -> bool {
     triangle.iter().flat_map(|&vertex| positions[vertex as usize]).all(|coordinate| coordinate.abs() <= largest)
 }
 
-/// Edges are measured in units of the longest one, so that nothing over- or underflows at any scale.
+/// Edges are measured in units of the longest one, so that nothing over- or underflows at any scale that the baked file can hold.
 fn is_degenerate(positions: &[[f64; 3]], triangle: [u32; 3]) -> bool {
     let [a, b, c] = corners(positions, triangle);
     let edges = [b - a, c - b, a - c];
     let unit = edges.iter().map(|edge| edge.abs().max_element()).fold(0.0, f64::max);
-    unit == 0.0 || (edges[0] / unit).cross(edges[1] / unit).length() <= DEGENERATE_ASPECT
+    unit < f64::from(f32::MIN_POSITIVE) || (edges[0] / unit).cross(edges[1] / unit).length() <= DEGENERATE_ASPECT
+}
+
+/// A face is small if its edges are shorter than this share of the scene: fifty times the distance beside it at which rays start.
+const SMALL: f64 = 1.2e-5;
+
+/// Where more than this share of the faces is small, what is to be baked is small beside something else.
+const MANY: f64 = 0.01;
+
+/// Says so if what is to be baked is so small beside the whole scene that its shadows are wrong: rays are traced in `f32`, in a frame that
+/// holds all of it.
+pub(super) fn warn_of_small_faces(mesh: &Mesh) -> Option<String> {
+    let (positions, triangles) = (mesh.positions(), mesh.triangles());
+    let [lower, upper] = mesh.bounds().map(DVec3::from_array);
+    let small = SMALL * (upper - lower).max_element();
+    let is_small = |&&triangle: &&[u32; 3]| {
+        let [a, b, c] = corners(positions, triangle);
+        [b - a, c - b, a - c].iter().all(|edge| edge.abs().max_element() < small)
+    };
+    let count = triangles.iter().filter(is_small).count();
+    (count as f64 > MANY * triangles.len() as f64).then(|| {
+        let of = triangles.len();
+        format!("{count} of {of} faces are smaller than 1/80,000 of the scene and lose their shadows: bake them without what is far away")
+    })
 }
 
 /// The same cycle of three, starting with the smallest: equal for faces that differ only in which corner comes first.

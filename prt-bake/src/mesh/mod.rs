@@ -121,7 +121,7 @@ pub struct Mesh {
 /// What cleaning a mesh did.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MeshReport {
-    /// Faces without area: two corners at one position, or three on a line.
+    /// Faces without area: two corners at one position, or three on a line; or all closer together than `f32` can tell, 1e-38.
     pub degenerate: usize,
     /// Faces with the same corners, in the same sense of rotation, as an earlier one.
     pub duplicate: usize,
@@ -137,7 +137,7 @@ pub struct MeshReport {
     pub faces_twinned: usize,
     /// Two-sided faces that need no twin because no light gets to their back; see [`TwoSided::AsFile`].
     pub faces_enclosed: usize,
-    /// What was done otherwise than the file asks for: [`MeshSource::warnings`].
+    /// What was done otherwise than the file asks for ([`MeshSource::warnings`]), and what will not be exact.
     pub warnings: Vec<String>,
 }
 
@@ -183,6 +183,7 @@ impl Mesh {
             twin_count: report.faces_twinned,
             overrides_textures: false,
         };
+        report.warnings.extend(clean::warn_of_small_faces(&mesh));
         Ok((mesh, report))
     }
 

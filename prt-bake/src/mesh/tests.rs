@@ -111,11 +111,36 @@ fn inconsistent_sources_are_errors() {
 #[test]
 fn size_and_place_do_not_matter_for_normals() {
     let (reference, _) = Mesh::new(cube(), &MeshOptions::default()).unwrap();
-    for (scale, offset) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-160, 0.0)] {
+    for (scale, offset) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-36, 0.0)] {
         let mut source = cube();
         source.positions.iter_mut().flatten().for_each(|coordinate| *coordinate = *coordinate * scale + offset);
         let (mesh, _) = Mesh::new(source, &MeshOptions::default()).unwrap();
         assert_eq!(mesh.normals(), reference.normals(), "scale {scale} offset {offset}");
+    }
+}
+
+#[test]
+fn a_scene_smaller_than_the_baked_file_can_hold_is_an_error() {
+    for scale in [1e-40, 1e-160, 1e-310, 1e-320] {
+        let mut source = cube();
+        source.positions.iter_mut().flatten().for_each(|coordinate| *coordinate *= scale);
+        let error = Mesh::new(source, &MeshOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("12 are degenerate"), "{scale}: {error}");
+    }
+}
+
+#[test]
+fn a_scene_that_is_small_beside_something_far_away_is_warned_of() {
+    for (distance, is_warned) in [(10.0, false), (1e4, false), (1e6, true), (1e9, true)] {
+        let mut source = cube();
+        source.positions.extend([[distance, 0.0, 0.0], [distance, 1.0, 0.0], [distance, 0.0, 1.0]]);
+        source.triangles.push([8, 9, 10]);
+        let warnings = Mesh::new(source, &MeshOptions::default()).unwrap().1.warnings;
+        assert_eq!(
+            warnings.iter().any(|warning| warning.contains("13 of 13 faces")),
+            is_warned,
+            "{distance}: {warnings:?}"
+        );
     }
 }
 

@@ -60,8 +60,9 @@ impl Masks {
     #[inline(never)]
     pub(super) fn is_opaque(&self, slot: usize, weights: [f32; 3]) -> bool {
         let Some(face) = self.slots.get(slot).and_then(|&face| self.faces.get(face as usize)) else { return true };
-        let [a, b, c] = weights;
-        let sum = a + b + c;
+        // Where the triangle is seen edge on they may be small and negative.
+        let [a, b, c] = weights.map(|weight| weight.max(0.0));
+        let sum = (a + b + c).max(f32::MIN_POSITIVE);
         let [p, q, r] = face.uvs;
         let uv = [0, 1].map(|k| (a * p[k] + b * q[k] + c * r[k]) / sum);
         self.materials[face.material as usize].is_there(uv)

@@ -4,6 +4,7 @@ mod beam;
 mod bins;
 mod bounds;
 mod closest;
+mod distinct;
 mod lanes;
 mod mask;
 mod occluded;
@@ -94,10 +95,12 @@ impl Scene {
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
         let (center, scale) = unit_cube(mesh);
-        let local = |&vertex: &u32| ((DVec3::from_array(mesh.positions()[vertex as usize]) - center) * scale).as_vec3();
-        let given: Vec<[Vec3; 3]> =
-            mesh.original_triangles().iter().map(|[a, b, c]| [local(a), local(b), local(c)]).collect();
+        let local = |vertex: u32| ((DVec3::from_array(mesh.positions()[vertex as usize]) - center) * scale).as_vec3();
+        let corners = |face: u32| mesh.original_triangles()[face as usize].map(local);
+        let faces = distinct::faces(mesh, corners);
+        let given: Vec<[Vec3; 3]> = faces.iter().map(|&face| corners(face)).collect();
         let mut tree = build_tree(&given);
+        tree.renumber(&faces);
         tree.set_masks(Masks::new(mesh, &tree.numbers));
         Self { tree, twins: Twins::new(mesh), center, scale }
     }
@@ -111,6 +114,7 @@ impl Scene {
     /// Whether anything stands in the way, for each of `directions` (unit length) from `origin`, at any distance.
     ///
     /// Both sides of a triangle occlude; rays pass through the holes of its material. A triangle in whose plane the origin lies does not. `occluded` is overwritten.
+    /// Rounding grows with the distance of the origin: within the scene and up to its size beside it rays are as exact as those of a bake.
     ///
     /// # Panics
     /// If the slices differ in length.

@@ -1,7 +1,8 @@
 //! The space between two parallel planes that hold the triangles of a leaf.
 //!
 //! Boxes around a surface that is slanted to the axes are thick; most rays that pass such a box at a low angle to the surface stay on one
-//! side of it, and so of its slab. It leaves out only what no ray meets.
+//! side of it, and so of its slab. It leaves out only what no ray meets, and the widened tips of
+//! needles.
 
 use glam::Vec3;
 

@@ -27,7 +27,7 @@ impl<'a> DirectionTracer<'a> {
     }
 
     /// Which of the directions `above` meet anything. Whole bins of directions are answered together where that can be proven; the
-    /// answers are the same as ray by ray.
+    /// answers are the same as ray by ray (but for the tips of needles, which rounding widens).
     ///
     /// - `normal`: no direction of `above` has a negative product with it; zero if there is no such vector
     ///

@@ -7,8 +7,8 @@ use super::mask::Masks;
 use super::slab::Slab;
 
 /// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
-/// box test for a ray of length 1 in `f32` (about 4e-7) and than what triangles are widened by, so that a ray that touches a
-/// triangle never misses its box.
+/// box test for a ray of length 1 in `f32` (about 4e-7) and than what the sides of triangles are widened by, so that a ray that touches
+/// a triangle never misses its box. Only the tips of needles, which are widened by more, are cut off by it.
 pub(super) const BOX_PADDING: f32 = 4e-6;
 
 /// Boxes of up to eight children.
@@ -99,10 +99,14 @@ impl Tree {
     /// - `order`: numbers of the triangles, in the order in which the leaves refer to them
     pub(super) fn new(nodes: &[BinaryNode], order: &[u32], triangles: &[[Vec3; 3]]) -> Self {
         let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), numbers: Vec::new(), masks: Masks::default() };
-        let mut collapse = Collapse { counts: vec![0; nodes.len()], nodes, order, triangles };
-        collapse.count(0);
-        collapse.add_node(0, &mut tree);
+        Collapse { counts: counts(nodes), nodes, order, triangles }.add_to(&mut tree);
         tree
+    }
+
+    /// Replaces the numbers of the triangles by those in a list.
+    pub(super) fn renumber(&mut self, numbers: &[u32]) {
+        let used = self.numbers.iter_mut().filter(|number| **number != NO_TRIANGLE);
+        used.for_each(|number| *number = numbers[*number as usize]);
     }
 
     pub(super) fn set_masks(&mut self, masks: Masks) {
@@ -119,6 +123,28 @@ impl Tree {
     }
 }
 
+/// Triangles below each node of a binary tree. Trees of nested triangles may be as deep as there are triangles.
+fn counts(nodes: &[BinaryNode]) -> Vec<u32> {
+    let mut order = vec![0_u32];
+    let mut next = 0;
+    while let Some(&number) = order.get(next) {
+        let node = nodes[number as usize];
+        if node.count == 0 {
+            order.extend(node.children());
+        }
+        next += 1;
+    }
+    let mut counts: Vec<u32> = nodes.iter().map(|node| node.count).collect();
+    // Parents come before their children.
+    for &number in order.iter().rev() {
+        let node = nodes[number as usize];
+        if node.count == 0 {
+            counts[number as usize] = node.children().map(|child| counts[child as usize]).iter().sum();
+        }
+    }
+    counts
+}
+
 /// A binary tree that is being collapsed.
 struct Collapse<'a> {
     nodes: &'a [BinaryNode],
@@ -128,36 +154,46 @@ struct Collapse<'a> {
     triangles: &'a [[Vec3; 3]],
 }
 
-impl Collapse<'_> {
-    fn count(&mut self, number: u32) -> u32 {
-        let node = self.nodes[number as usize];
-        let count =
-            if node.count > 0 { node.count } else { node.children().map(|child| self.count(child)).iter().sum() };
-        self.counts[number as usize] = count;
-        count
-    }
+/// A node that is still to be made, and which child of which node it is.
+struct Pending {
+    number: u32,
+    parent: Option<(usize, usize)>,
+}
 
-    /// Everything below fits into one leaf, or cannot be split.
+impl Collapse<'_> {
+    /// Everything below fits into one leaf.
     fn is_leaf(&self, number: u32) -> bool {
         self.counts[number as usize] as usize <= WIDTH
     }
 
-    fn add_node(&self, number: u32, tree: &mut Tree) -> u32 {
-        let here = tree.nodes.len();
-        tree.nodes.push(Node { bounds: [[[0.0; WIDTH]; 3]; 2], child: [0; WIDTH], used: 0, leaves: 0 });
-        for (slot, child) in self.children(number).into_iter().enumerate() {
-            let is_leaf = self.is_leaf(child);
-            let reference = if is_leaf { self.add_leaf(child, tree) } else { self.add_node(child, tree) };
-            let (node, from) = (&mut tree.nodes[here], &self.nodes[child as usize]);
-            for axis in 0..3 {
-                node.bounds[0][axis][slot] = from.lower[axis] - BOX_PADDING;
-                node.bounds[1][axis][slot] = from.upper[axis] + BOX_PADDING;
+    fn add_to(&self, tree: &mut Tree) {
+        let mut pending = vec![Pending { number: 0, parent: None }];
+        while let Some(Pending { number, parent }) = pending.pop() {
+            let here = tree.nodes.len();
+            if let Some((parent, slot)) = parent {
+                tree.nodes[parent].child[slot] = here as u32;
             }
-            node.child[slot] = reference;
-            node.used |= 1 << slot;
-            node.leaves |= u32::from(is_leaf) << slot;
+            tree.nodes.push(Node { bounds: [[[0.0; WIDTH]; 3]; 2], child: [0; WIDTH], used: 0, leaves: 0 });
+            for (slot, child) in self.children(number).into_iter().enumerate() {
+                self.set_bounds(&mut tree.nodes[here], slot, child);
+                if self.is_leaf(child) {
+                    let leaf = self.add_leaf(child, tree);
+                    tree.nodes[here].child[slot] = leaf;
+                    tree.nodes[here].leaves |= 1 << slot;
+                } else {
+                    pending.push(Pending { number: child, parent: Some((here, slot)) });
+                }
+            }
         }
-        here as u32
+    }
+
+    fn set_bounds(&self, node: &mut Node, slot: usize, child: u32) {
+        let from = &self.nodes[child as usize];
+        for axis in 0..3 {
+            node.bounds[0][axis][slot] = from.lower[axis] - BOX_PADDING;
+            node.bounds[1][axis][slot] = from.upper[axis] + BOX_PADDING;
+        }
+        node.used |= 1 << slot;
     }
 
     /// Opens the largest boxes until there are eight.
@@ -199,7 +235,7 @@ impl Collapse<'_> {
         (tree.leaves.len() - 1) as u32
     }
 
-    /// The numbers of all triangles below a node.
+    /// The numbers of all triangles below a node that is a leaf here.
     fn collect(&self, number: u32, numbers: &mut Vec<u32>) {
         let node = self.nodes[number as usize];
         if node.count > 0 {

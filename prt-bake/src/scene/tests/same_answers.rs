@@ -191,3 +191,56 @@ fn real_meshes_are_answered_the_same_with_and_without_bins() {
         }
     }
 }
+
+/// What a tree of boxes cannot keep apart is merged, and what it can keep apart only in a chain does not end the stack.
+#[test]
+fn faces_that_coincide_or_nest_make_a_tree() {
+    let triangle = |scale: f64, shift: f64| [[-scale, -scale, shift], [scale, -scale, shift], [0.0, scale, shift]];
+    let pile: Vec<_> = (0..30_000).flat_map(|k| triangle(1.0, 1e-13 * f64::from(k))).collect();
+    let nest: Vec<_> = (1..=3_000).flat_map(|k| triangle(f64::from(k) / 3_000.0, 0.0)).collect();
+    for positions in [pile, nest] {
+        let count = positions.len() as u32 / 3;
+        let mesh = mesh(positions, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
+        assert_eq!(mesh.triangles().len(), count as usize);
+        let scene = Scene::new(&mesh);
+        let (mut occluded, mut hit) = ([false; 2], [None]);
+        scene.occluded([0.0, 0.1, 1.0], &[Vec3::NEG_Z, Vec3::X], &mut occluded);
+        assert_eq!(occluded, [true, false]);
+        scene.closest([0.0, 0.1, 1.0], &[Vec3::NEG_Z], &mut hit);
+        assert!((hit[0].unwrap().distance - 1.0).abs() < 1e-6);
+    }
+}
+
+/// Widened by the rounding of their planes, needles reach beyond their tips, where boxes and beams cut them off, each in its own way. Every
+/// way must agree but for rays at such a tip.
+#[test]
+fn needles_are_answered_the_same_but_at_their_tips() {
+    for (aspect, bound) in [(1e-2, 0.0), (1e-4, 1e-5)] {
+        let mut random = Random::new(61);
+        let mut positions = Vec::new();
+        for _ in 0..400 {
+            let center = glam::DVec3::new(random.unit(), random.unit(), random.unit());
+            let along = random_direction(&mut random).as_dvec3();
+            let across = along.any_orthonormal_vector() * aspect;
+            positions.extend([center - 0.2 * along, center + 0.2 * along, center + 0.2 * across].map(|p| p.to_array()));
+        }
+        let mesh = mesh(positions, (0..400).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
+        let (scene, directions) = (Scene::new(&mesh), directions(8192));
+        let (mut tracer, mut stack) = (DirectionTracer::new(&scene, &directions), Stack::default());
+        let (mut rays, mut differing, mut occluded) = (0, 0, 0);
+        for (origin, _) in points(&mesh, &scene, &mut Random::new(7)) {
+            let above = vec![u64::MAX; directions.packets.len()];
+            let found = tracer.occluded(origin, Vec3::ZERO, &above).0.to_vec();
+            for (number, direction) in directions.directions.iter().enumerate() {
+                stack.entries.clear();
+                stack.entries.push(ROOT);
+                let single = ray::occluded(&scene.tree, origin, *direction, &mut stack, 0);
+                rays += 1;
+                occluded += usize::from(single);
+                differing += usize::from(single != (found[number / 64] >> (number % 64) & 1 == 1));
+            }
+        }
+        assert!(occluded > 1000 || aspect < 1e-3, "{occluded}");
+        assert!(differing as f64 <= bound * rays as f64, "1:{aspect}: {differing} of {rays}");
+    }
+}

@@ -80,11 +80,20 @@ pub(super) fn explain(result: Result<FileReport, Error>, target: &BakeTarget) ->
                 path.display()
             ));
         }
-        Err(Error::Cancelled) if target.journal_path().exists() => output::note(format_args!(
+        Err(error) if keeps_journal(error) && target.journal_path().exists() => output::note(format_args!(
             "what is done is kept in {}: --resume goes on from there",
             target.journal_path().display()
         )),
         _ => {}
     }
     Ok(result?)
+}
+
+/// Whether a bake that ended like this was at work on its journal.
+fn keeps_journal(error: &Error) -> bool {
+    match error {
+        Error::Cancelled => true,
+        Error::Io { cause, .. } => cause.kind() == std::io::ErrorKind::StorageFull,
+        _ => false,
+    }
 }
