@@ -69,12 +69,12 @@ impl Descent<'_> {
         self.stack.entries.clear();
         self.stack.entries.push(ROOT);
         let culling = Culling::new(None, self.normal, self.origin);
-        let first = 1;
         refine(self.tree, self.origin, None, &culling, self.stack, 0);
         let levels = self.directions.bins.levels.len();
         let size = PARTS.pow(levels as u32);
         for number in 0..self.above.len().div_ceil(size) {
-            self.visit(levels, number, first);
+            // The first entry is the root, which has been opened.
+            self.visit(levels, number, 1);
         }
         self.answered
     }

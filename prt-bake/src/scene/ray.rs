@@ -8,7 +8,7 @@ use super::closest::RayHit;
 use super::lanes::{WIDTH, larger, mask, smaller, wide_bits};
 use super::occluded::is_hidden;
 use super::packet::{entrance, finite_reciprocal};
-use super::stack::{Entry, Stack};
+use super::stack::{Child, Entry, Stack};
 use super::tree::Tree;
 use super::wedge::Wedges;
 
@@ -48,6 +48,15 @@ impl Ray {
         // No distance is negative, and bits are in the order of such numbers.
         stack.push(entry.node, children, &near.map(f32::to_bits));
     }
+
+    /// The triangles of a leaf whose box the ray meets, and where it passes that; nothing if it stays beside the slab.
+    #[inline(always)]
+    fn enter_leaf(&self, tree: &Tree, child: Child<'_>, origin: Vec3, direction: Vec3) -> Option<(Wedges, [f32; 2])> {
+        let leaf = &tree.leaves[child.number as usize];
+        let passage = Bounds::new(child, origin).passage(self.reciprocal);
+        let is_in_slab = leaf.outline.slab.from(origin).holds_some_of(direction, passage);
+        if is_in_slab { Some((Wedges::new(leaf, origin), passage)) } else { None }
+    }
 }
 
 /// Whether a ray meets anything. Traversal starts at the stack's entries from `first` on.
@@ -70,13 +79,9 @@ pub(super) fn occluded_portable(tree: &Tree, origin: Vec3, direction: Vec3, stac
             ray.push(tree, Entry::unopened(child.number), f32::INFINITY, stack);
             continue;
         }
-        let leaf = &tree.leaves[child.number as usize];
-        let passage = Bounds::new(child, origin).passage(ray.reciprocal);
-        if !leaf.outline.slab.from(origin).holds_some_of(direction, passage) {
-            continue;
-        }
-        let wedges = Wedges::new(leaf, origin);
-        if is_hidden(&wedges, tree, child, direction) {
+        if let Some((wedges, _)) = ray.enter_leaf(tree, child, origin, direction)
+            && is_hidden(&wedges, tree, child, direction)
+        {
             return true;
         }
     }
@@ -104,13 +109,9 @@ pub(super) fn closest_portable(tree: &Tree, origin: Vec3, direction: Vec3, stack
             ray.push(tree, Entry::unopened(child.number), nearest.distance, stack);
             continue;
         }
-        let leaf = &tree.leaves[child.number as usize];
-        let passage = Bounds::new(child, origin).passage(ray.reciprocal);
-        if !leaf.outline.slab.from(origin).holds_some_of(direction, passage) {
-            continue;
+        if let Some((wedges, passage)) = ray.enter_leaf(tree, child, origin, direction) {
+            nearest.meet_leaf(&wedges, tree, child, direction, passage);
         }
-        let wedges = Wedges::new(leaf, origin);
-        nearest.meet_leaf(&wedges, tree, child, direction, passage);
     }
     nearest.found()
 }
