@@ -34,7 +34,7 @@ impl DirectionSet {
         let rotation = random_rotation(&mut Random::new(seed));
         let rotated = sh_core::fibonacci(count).into_iter().map(|s| rotation * DVec3::from_array(s));
         let mut directions: Vec<Vec3> = rotated.map(|s| s.normalize().as_vec3()).collect();
-        directions.sort_by_cached_key(|direction| hilbert_number(*direction));
+        bisect(&mut directions, 0);
         let mut basis = vec![0.0; count * order.coeff_count()];
         for (direction, row) in directions.iter().zip(basis.chunks_exact_mut(order.coeff_count())) {
             sh_core::eval(order, direction.to_array(), row);
@@ -49,6 +49,28 @@ impl DirectionSet {
     pub fn directions(&self) -> &[Vec3] {
         &self.directions
     }
+}
+
+fn bisect(directions: &mut [Vec3], depth: usize) {
+    let len = directions.len();
+    if len <= 8 {
+        return;
+    }
+    let first = if len > PACKET_SIZE { (len / PACKET_SIZE).next_power_of_two() / 2 * PACKET_SIZE } else { len / 2 };
+    if depth < 3 {
+        directions.select_nth_unstable_by(first, |a, b| a[depth].total_cmp(&b[depth]));
+    } else {
+        let step = len.div_ceil(64);
+        let samples: Vec<Vec3> = directions.iter().step_by(step).copied().collect();
+        let mean = samples.iter().sum::<Vec3>().normalize();
+        let (u, v, [l, h]) = crate::scene::smallest_rectangle(&samples, mean);
+        let axis = if h[0] - l[0] > h[1] - l[1] { u } else { v };
+        let slope = |d: &Vec3| d.dot(axis) / d.dot(mean);
+        directions.select_nth_unstable_by(first, |a, b| slope(a).total_cmp(&slope(b)));
+    }
+    let (a, b) = directions.split_at_mut(first);
+    bisect(a, depth + 1);
+    bisect(b, depth + 1);
 }
 
 /// A random number generator of 64 bits of state: SplitMix64 (Steele, Lea, Flood 2014). It seeds rotations, and drives random walks:

@@ -58,7 +58,7 @@ impl Beam {
 
 /// Two axes and, along each of them, the smallest and the largest slope against the mean: those of the smallest rectangle of some that are
 /// turned in equal steps.
-fn smallest_rectangle(directions: &[Vec3], mean: Vec3) -> (Vec3, Vec3, [[f32; 2]; 2]) {
+pub(crate) fn smallest_rectangle(directions: &[Vec3], mean: Vec3) -> (Vec3, Vec3, [[f32; 2]; 2]) {
     let (x, y) = mean.any_orthonormal_pair();
     let turned = |step: u32| {
         let (sin, cos) = (step as f32 * std::f32::consts::FRAC_PI_2 / TURNS as f32).sin_cos();

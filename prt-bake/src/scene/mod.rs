@@ -25,6 +25,7 @@ use obvhs::triangle::Triangle;
 use crate::Mesh;
 use crate::sampling::DirectionSet;
 pub(crate) use bins::Bins;
+pub(crate) use beam::smallest_rectangle;
 use bins::Descent;
 pub(crate) use closest::Hits;
 use closest::RayHit;
