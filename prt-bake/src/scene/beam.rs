@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use super::lanes::{WIDTH, Wide, larger, mask, wide_bits};
+use super::rectangle::Rectangle;
 use super::tree::{Leaf, Node};
 
 /// A pyramid from the origin that encloses directions.
@@ -31,9 +32,6 @@ const SLOPE_MARGIN: f32 = 1e-6;
 /// scene 1 across.
 const PLANE_MARGIN: f32 = 4e-6;
 
-/// How many rectangles are tried.
-const TURNS: u32 = 16;
-
 impl Beam {
     /// Four planes around the directions, seen as points on a plane at distance 1 along their mean.
     pub(crate) fn new(directions: &[Vec3]) -> Self {
@@ -42,7 +40,9 @@ impl Beam {
         if mean == Vec3::ZERO || directions.iter().any(|direction| direction.dot(mean) < WIDEST_BEAM_COSINE) {
             return beam;
         }
-        let (u, v, [lower, upper]) = smallest_rectangle(directions, mean);
+        let Rectangle { axes: [u, v], slopes } = Rectangle::around(directions, mean);
+        let (lower, upper) =
+            (slopes.map(|[lower, _]| lower - SLOPE_MARGIN), slopes.map(|[_, upper]| upper + SLOPE_MARGIN));
         let corner = |x: f32, y: f32| (mean + x * u + y * v).to_array();
         beam.planes = [u - lower[0] * mean, upper[0] * mean - u, v - lower[1] * mean, upper[1] * mean - v];
         beam.corners = [
@@ -54,28 +54,6 @@ impl Beam {
         beam.is_narrow = true;
         beam
     }
-}
-
-/// Two axes and, along each of them, the smallest and the largest slope against the mean: those of the smallest rectangle of some that are
-/// turned in equal steps.
-pub(crate) fn smallest_rectangle(directions: &[Vec3], mean: Vec3) -> (Vec3, Vec3, [[f32; 2]; 2]) {
-    let (x, y) = mean.any_orthonormal_pair();
-    let turned = |step: u32| {
-        let (sin, cos) = (step as f32 * std::f32::consts::FRAC_PI_2 / TURNS as f32).sin_cos();
-        let (u, v) = (cos * x + sin * y, cos * y - sin * x);
-        let (mut lower, mut upper) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        for direction in directions {
-            for (k, axis) in [u, v].into_iter().enumerate() {
-                let slope = direction.dot(axis) / direction.dot(mean);
-                lower[k] = lower[k].min(slope - SLOPE_MARGIN);
-                upper[k] = upper[k].max(slope + SLOPE_MARGIN);
-            }
-        }
-        (u, v, [lower, upper])
-    };
-    let area = |[lower, upper]: &[[f32; 2]; 2]| (upper[0] - lower[0]) * (upper[1] - lower[1]);
-    let rectangles = (0..TURNS).map(turned);
-    rectangles.min_by(|(.., a), (.., b)| area(a).total_cmp(&area(b))).unwrap_or_else(|| turned(0))
 }
 
 /// The planes of a beam from an origin, and that of the horizon.
@@ -94,8 +72,9 @@ struct CullingPlane {
 }
 
 impl CullingPlane {
+    #[inline(always)]
     fn new(normal: Vec3, origin: Vec3) -> Self {
-        let side = normal.to_array().map(|component| usize::from(component > 0.0));
+        let side = [usize::from(normal.x > 0.0), usize::from(normal.y > 0.0), usize::from(normal.z > 0.0)];
         Self { normal: normal.to_array(), side, limit: normal.dot(origin) - PLANE_MARGIN }
     }
 }

@@ -1,10 +1,8 @@
 //! Boxes as seen from the origin of rays.
 
-#![expect(clippy::needless_range_loop, reason = "plain loops over lanes are vectorised; see `lanes`")]
-
 use glam::Vec3;
 
-use super::lanes::{BLOCKS, LANES, Lanes, block_bits, larger, mask, smaller, take_bit};
+use super::lanes::{BLOCKS, LANES, Lanes, any_ray, block_bits, larger, mask, ray_bits, smaller, take_bit};
 use super::packet::Packet;
 use super::slab::Slab;
 use super::stack::Child;
@@ -15,9 +13,6 @@ pub(super) const FEW_RAYS: u32 = 12;
 /// The lower and the upper corner of a box, relative to the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds([[f32; 3]; 2]);
-
-/// A ray with this limit meets no box.
-const NOWHERE: f32 = -1.0;
 
 impl Bounds {
     #[inline(always)]
@@ -45,9 +40,9 @@ impl Bounds {
         [near, far]
     }
 
-    /// Marks the rays that meet the box nearer than their limit. Blocks without a ray of `rays` are left out.
+    /// Of the `rays`, those that meet the box nearer than their limit. Blocks without a ray of `rays` are left out.
     #[inline(always)]
-    pub(super) fn meets(&self, packet: &Packet, rays: u64, limit: &[Lanes<f32>; BLOCKS]) -> [Lanes<u32>; BLOCKS] {
+    pub(super) fn meets(&self, packet: &Packet, rays: u64, limit: &[Lanes<f32>; BLOCKS]) -> u64 {
         let mut meets = [[0; LANES]; BLOCKS];
         match packet.entrance {
             Some(entrance) => {
@@ -71,7 +66,7 @@ impl Bounds {
                 }
             }
         }
-        meets
+        if any_ray(&meets) { ray_bits(&meets) & rays } else { 0 }
     }
 
     /// Of the `rays`, which all meet the box, those that pass the slab of its leaf in it. That is asked only where they are few: it costs more
@@ -111,17 +106,4 @@ fn meets_in_octant(first: [f32; 3], last: [f32; 3], reciprocal: &[Lanes<f32>; 3]
         meets[lane] = mask(near <= far);
     }
     meets
-}
-
-/// How far each ray counts: without limit if it is one of `rays`, else nowhere.
-#[inline(always)]
-pub(super) fn limits(rays: u64) -> [Lanes<f32>; BLOCKS] {
-    let mut limits = [[0.0; LANES]; BLOCKS];
-    for block in 0..BLOCKS {
-        let bits = block_bits(rays, block);
-        for lane in 0..LANES {
-            limits[block][lane] = if bits & 1 << lane != 0 { f32::INFINITY } else { NOWHERE };
-        }
-    }
-    limits
 }

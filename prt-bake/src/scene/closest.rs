@@ -3,12 +3,12 @@
 use glam::Vec3;
 use multiversion::multiversion;
 
-use super::beam::Culling;
-use super::bounds::{Bounds, limits};
-use super::lanes::{LANES, WIDTH, any_ray, ray_bits, take_bit, wide_bits};
+use super::bounds::Bounds;
+use super::lanes::{WIDTH, take_bit, wide_bits};
 use super::packet::Packet;
-use super::stack::{Child, Stack};
+use super::stack::{Child, ROOT, Stack};
 use super::tree::Tree;
+use super::walk::Walk;
 use super::wedge::Wedges;
 
 /// The nearest hit of each ray of a packet.
@@ -70,7 +70,7 @@ impl RayHit {
         let mut inside = u64::from(wide_bits(&inside));
         while inside != 0 {
             let lane = take_bit(&mut inside) % WIDTH;
-            let weights = weights.map(|weight| weight[lane]);
+            let weights = [weights[0][lane], weights[1][lane], weights[2][lane]];
             let slot = child.triangle(lane);
             let distance = wedges.distance(lane, direction, near, far);
             let hit = Self { slot, distance, weights, is_front: wedges.is_front(lane) };
@@ -112,32 +112,36 @@ pub(super) fn closest_portable(
     stack: &mut Stack,
 ) {
     *hits = Hits::default();
-    let mut limit = limits(rays);
-    let culling = Culling::new(Some(&packet.beam), Vec3::ZERO, origin);
-    stack.clear();
-    stack.push_node(tree, 0, &culling, packet.beam.mean);
+    let mut walk = Walk::new(tree, origin, Vec3::ZERO, packet);
+    stack.entries.clear();
+    stack.entries.push(ROOT);
+    walk.start(0, stack);
     while let Some(item) = stack.pop() {
         let child = item.child(tree);
         let bounds = Bounds::new(child, origin);
-        let meets = bounds.meets(packet, rays, &limit);
-        if !any_ray(&meets) {
+        let met = walk.met(item, &bounds, rays);
+        if met == 0 {
             continue;
         }
         if !child.is_leaf {
-            stack.push_node(tree, child.number, &culling, packet.beam.mean);
+            walk.push_children(child.number, met, stack);
             continue;
         }
         let leaf = &tree.leaves[child.number as usize];
-        let mut meets = bounds.slab_rays(&leaf.outline.slab.from(origin), packet, ray_bits(&meets));
-        if meets == 0 {
+        let mut met = bounds.slab_rays(&leaf.outline.slab.from(origin), packet, met);
+        if met == 0 {
             continue;
         }
         let wedges = Wedges::new(leaf, origin);
-        while meets != 0 {
-            let ray = take_bit(&mut meets) % Packet::SIZE;
+        while met != 0 {
+            let ray = take_bit(&mut met) % Packet::SIZE;
             let passage = bounds.passage(packet.reciprocal(ray));
-            hits.nearest[ray].meet_leaf(&wedges, tree, child, packet.direction(ray), passage);
-            limit[ray / LANES][ray % LANES] = hits.nearest[ray].distance;
+            let nearest = &mut hits.nearest[ray];
+            // It may have been found since the box was put on the stack.
+            if passage[0] <= nearest.distance {
+                nearest.meet_leaf(&wedges, tree, child, packet.direction(ray), passage);
+                walk.set_limit(ray, nearest.distance);
+            }
         }
     }
 }

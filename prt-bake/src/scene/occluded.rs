@@ -1,7 +1,7 @@
 //! Whether the rays of a packet meet anything.
 //!
-//! The eight boxes of a node are tested against the beam that encloses the rays, then one by one against the rays. The triangles of a
-//! leaf are tested against the few rays that meet its box, or against the beam, all together: most are missed, and one may cover it.
+//! The triangles of a leaf are tested against the few rays that meet its box, or against the beam, all together: most are missed, and one
+//! may cover it.
 //!
 //! A ray meets a triangle if it passes the box of its leaf and lies inside its wedge. All else leaves out only what no ray meets, so that
 //! answers depend neither on the order of nodes nor on the other rays of a packet nor on where traversal starts; but for the widened tips of
@@ -12,12 +12,12 @@
 use glam::Vec3;
 use multiversion::multiversion;
 
-use super::beam::{Culling, distances_along};
-use super::bounds::{Bounds, FEW_RAYS, limits};
-use super::lanes::{BLOCKS, LANES, WIDTH, any, any_ray, block_bits, ray_bits, take_bit, wide_bits};
+use super::bounds::{Bounds, FEW_RAYS};
+use super::lanes::{BLOCKS, LANES, WIDTH, any, block_bits, ray_bits, take_bit, wide_bits};
 use super::packet::Packet;
-use super::stack::{Child, Entry, Stack};
+use super::stack::{Child, Stack};
 use super::tree::Tree;
+use super::walk::Walk;
 use super::wedge::Wedges;
 
 /// How all rays of a packet were answered.
@@ -29,30 +29,6 @@ pub(super) enum How {
     Blocked,
     /// Rays were tested one by one.
     Traced,
-}
-
-impl Stack {
-    /// Forgets all, and pushes the entries from `first` on, the nearest last.
-    #[inline(always)]
-    fn start(&mut self, tree: &Tree, first: usize, along: Vec3) {
-        self.clear();
-        for number in first..self.entries.len() {
-            let Entry { node: number, children, .. } = self.entries[number];
-            let node = &tree.nodes[number as usize];
-            self.push(number, children & node.used, &distances_along(node, along));
-        }
-        self.sort();
-    }
-
-    /// Pushes what the culling leaves of the children of a node.
-    #[inline(always)]
-    pub(super) fn push_node(&mut self, tree: &Tree, number: u32, culling: &Culling, along: Vec3) {
-        let node = &tree.nodes[number as usize];
-        let children = culling.children(node);
-        if children != 0 {
-            self.push(number, children, &distances_along(node, along));
-        }
-    }
 }
 
 /// Of the `rays`, those that meet any triangle, and how that was found.
@@ -82,35 +58,30 @@ pub(super) fn occluded_portable(
     stack: &mut Stack,
     first: usize,
 ) -> (u64, How) {
-    let culling = Culling::new(Some(&packet.beam), horizon, origin);
-    stack.start(tree, first, packet.beam.mean);
+    let walk = Walk::new(tree, origin, horizon, packet);
+    walk.start(first, stack);
     let mut how = How::Free;
     let mut left = rays;
-    let mut limit = limits(rays);
     while let Some(item) = stack.pop() {
         let child = item.child(tree);
         let bounds = Bounds::new(child, origin);
-        let meets = bounds.meets(packet, left, &limit);
-        if !any_ray(&meets) {
+        let met = walk.met(item, &bounds, left);
+        if met == 0 {
             continue;
         }
         if !child.is_leaf {
-            stack.push_node(tree, child.number, &culling, packet.beam.mean);
+            walk.push_children(child.number, met, stack);
             continue;
         }
         let slab = tree.leaves[child.number as usize].outline.slab.from(origin);
-        let near = bounds.slab_rays(&slab, packet, ray_bits(&meets));
-        if near == 0 {
+        let met = bounds.slab_rays(&slab, packet, met);
+        if met == 0 {
             continue;
         }
-        let Some(hidden) = hidden_by_leaf(tree, child, origin, packet, near, &mut how) else {
+        let Some(hidden) = hidden_by_leaf(tree, child, origin, packet, met, &mut how) else {
             return (rays, if how == How::Free { How::Blocked } else { how });
         };
-        if hidden == 0 {
-            continue;
-        }
         left &= !hidden;
-        limit = limits(left);
         if left == 0 {
             break;
         }
@@ -165,7 +136,7 @@ pub(super) fn is_hidden(wedges: &Wedges, tree: &Tree, child: Child<'_>, directio
     let mut inside = u64::from(wide_bits(&inside));
     while inside != 0 {
         let lane = take_bit(&mut inside) % WIDTH;
-        if tree.masks.is_opaque(child.triangle(lane) as usize, weights.map(|weight| weight[lane])) {
+        if tree.masks.is_opaque(child.triangle(lane) as usize, [weights[0][lane], weights[1][lane], weights[2][lane]]) {
             return true;
         }
     }

@@ -75,7 +75,7 @@ impl Packet {
 
 /// The side of a box at which a ray enters, by the reciprocal of its direction along an axis.
 #[inline(always)]
-pub(super) fn entrance(reciprocal: f32) -> usize {
+fn entrance(reciprocal: f32) -> usize {
     usize::from(reciprocal < 0.0)
 }
 

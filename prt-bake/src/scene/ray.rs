@@ -4,49 +4,40 @@ use glam::Vec3;
 use multiversion::multiversion;
 
 use super::bounds::Bounds;
+use super::children::ChildBounds;
 use super::closest::RayHit;
-use super::lanes::{WIDTH, larger, mask, smaller, wide_bits};
+use super::lanes::{WIDTH, wide_bits};
 use super::occluded::is_hidden;
-use super::packet::{entrance, finite_reciprocal};
+use super::packet::finite_reciprocal;
 use super::stack::{Child, Entry, Stack};
 use super::tree::Tree;
 use super::wedge::Wedges;
 
 /// A ray, ready to be tested against boxes.
 struct Ray {
-    origin: [f32; 3],
+    origin: Vec3,
     reciprocal: [f32; 3],
-    /// For each axis the side of a box at which the ray enters.
-    entrance: [usize; 3],
 }
 
 impl Ray {
     #[inline(always)]
     fn new(origin: Vec3, direction: Vec3) -> Self {
-        let reciprocal = direction.to_array().map(finite_reciprocal);
-        Self { origin: origin.to_array(), reciprocal, entrance: reciprocal.map(entrance) }
+        let [x, y, z] = direction.to_array();
+        Self { origin, reciprocal: [finite_reciprocal(x), finite_reciprocal(y), finite_reciprocal(z)] }
     }
 
     /// Pushes the children that the ray meets nearer than `limit`, the nearest last.
     #[inline(always)]
     fn push(&self, tree: &Tree, entry: Entry, limit: f32, stack: &mut Stack) {
         let node = &tree.nodes[entry.node as usize];
-        let (mut near, mut far) = ([0.0_f32; WIDTH], [limit; WIDTH]);
-        for axis in 0..3 {
-            let entrance = self.entrance[axis] & 1;
-            let (first, last) = (&node.bounds[entrance][axis], &node.bounds[1 - entrance][axis]);
-            for lane in 0..WIDTH {
-                near[lane] = larger(near[lane], (first[lane] - self.origin[axis]) * self.reciprocal[axis]);
-                far[lane] = smaller(far[lane], (last[lane] - self.origin[axis]) * self.reciprocal[axis]);
-            }
-        }
-        let mut meets = [0; WIDTH];
-        for lane in 0..WIDTH {
-            meets[lane] = mask(near[lane] <= far[lane]);
-        }
+        let (near, meets) = ChildBounds::new(node, self.origin).meets(self.reciprocal, limit);
         let children = wide_bits(&meets) & node.used & entry.children;
-        // No distance is negative, and bits are in the order of such numbers.
-        stack.push(entry.node, children, &near.map(f32::to_bits));
+        let mut distances = [0; WIDTH];
+        for lane in 0..WIDTH {
+            // No distance is negative, and bits are in the order of such numbers.
+            distances[lane] = near[lane].to_bits();
+        }
+        stack.push(entry.node, children, &distances, &[1; WIDTH]);
     }
 
     /// The triangles of a leaf whose box the ray meets, and where it passes that; nothing if it stays beside the slab.

@@ -2,6 +2,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "closures may be left out of line; see `lanes`")]
 
+use std::cmp::Reverse;
+
 use super::lanes::WIDTH;
 use super::tree::{Node, Tree};
 
@@ -17,9 +19,14 @@ pub(crate) struct Stack {
     pub(super) pending: Vec<u32>,
 }
 
-/// A child of a node that a ray may meet. The high half grows with its distance, the low half is the number of the node and of the child.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Item(u64);
+/// A child of a node that rays may meet.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Item {
+    /// The high half grows with its distance, the low half is the number of the node and of the child.
+    key: u64,
+    /// The rays of a packet that meet it, or [`Item::ANY_RAY`] if that is not known.
+    pub(super) rays: u64,
+}
 
 /// Children of a node, a bit for each.
 #[derive(Debug, Clone, Copy)]
@@ -64,21 +71,22 @@ impl Stack {
     /// Pushes children of a node, the nearest last.
     ///
     /// - `distances`: numbers that grow with the distance
+    /// - `rays`: of a packet, those that meet each child
     #[inline(always)]
-    pub(super) fn push(&mut self, node: u32, mut children: u32, distances: &[u32; WIDTH]) {
+    pub(super) fn push(&mut self, node: u32, mut children: u32, distances: &[u32; WIDTH], rays: &[u64; WIDTH]) {
         if self.len + WIDTH > self.items.len() {
             self.items.resize(2 * self.items.len() + WIDTH, Item::default());
         }
         let Some(items) = self.items[self.len..].first_chunk_mut::<WIDTH>() else { return };
-        let (mut nearest, mut count) = (Item(0), 0);
+        let (mut nearest, mut count) = (Item::default(), 0);
         while children != 0 {
-            let slot = children.trailing_zeros();
+            let slot = children.trailing_zeros() as usize % WIDTH;
             children &= children - 1;
-            let item = Item::new(node, slot, distances[slot as usize % WIDTH]);
+            let item = Item::new(node, slot as u32, distances[slot], rays[slot]);
             if count > 0 {
-                items[(count - 1) % WIDTH] = nearest.max(item);
+                items[(count - 1) % WIDTH] = if nearest.key > item.key { nearest } else { item };
             }
-            nearest = if count > 0 { nearest.min(item) } else { item };
+            nearest = if count > 0 && nearest.key < item.key { nearest } else { item };
             count += 1;
         }
         if count > 0 {
@@ -90,7 +98,7 @@ impl Stack {
     /// Puts all in order, the nearest last.
     #[inline(always)]
     pub(super) fn sort(&mut self) {
-        self.items[..self.len].sort_unstable_by(|a, b| b.cmp(a));
+        self.items[..self.len].sort_unstable_by_key(|item| Reverse(item.key));
     }
 
     #[inline(always)]
@@ -101,19 +109,22 @@ impl Stack {
 }
 
 impl Item {
+    /// More rays than are ever listed.
+    pub(super) const ANY_RAY: u64 = u64::MAX;
+
     #[inline(always)]
-    fn new(node: u32, slot: u32, distance: u32) -> Self {
-        Self(u64::from(distance) << 32 | u64::from(node * WIDTH as u32 + slot))
+    fn new(node: u32, slot: u32, distance: u32, rays: u64) -> Self {
+        Self { key: u64::from(distance) << 32 | u64::from(node * WIDTH as u32 + slot), rays }
     }
 
     #[inline(always)]
     pub(super) fn distance(self) -> u32 {
-        (self.0 >> 32) as u32
+        (self.key >> 32) as u32
     }
 
     #[inline(always)]
     pub(super) fn child(self, tree: &Tree) -> Child<'_> {
-        let (number, slot) = (self.0 as u32 as usize / WIDTH, self.0 as usize % WIDTH);
+        let (number, slot) = (self.key as u32 as usize / WIDTH, self.key as usize % WIDTH);
         let node = &tree.nodes[number];
         Child { node, slot, number: node.child[slot], is_leaf: node.leaves >> slot & 1 == 1 }
     }

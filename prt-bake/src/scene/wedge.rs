@@ -103,7 +103,8 @@ impl Wedges {
         for lane in 0..WIDTH {
             let (mut may, mut all) = (mask(self.volume[lane] > 0.0), mask(self.volume[lane] > 0.0));
             for plane in 0..3 {
-                let normal = [0, 1, 2].map(|axis| self.planes[plane][axis][lane]);
+                let [x, y, z] = &self.planes[plane];
+                let normal = [x[lane], y[lane], z[lane]];
                 let [p, q, r, s] = beam.corners;
                 let (p, q, r, s) = (dot(normal, p), dot(normal, q), dot(normal, r), dot(normal, s));
                 let margin = BEAM_MARGIN * self.tolerance[plane][lane];

@@ -1,0 +1,98 @@
+//! The order of directions: neighbours in the list are neighbours on the sphere.
+//!
+//! The sphere is halved along x, y and z, and each part on and on across its longer side. Parts of 64 directions, of 4 times and of 16
+//! times as many are compact. In the order of a Hilbert curve over the octahedral map, which is stretched, they are less so: tracing
+//! takes 12 to 17 % longer.
+
+use glam::Vec3;
+
+use super::PACKET_SIZE;
+use crate::scene::Rectangle;
+
+/// Parts with no more directions are not halved.
+const SMALLEST: usize = 8;
+
+/// The shape of a part is told by no more directions than about this.
+const SAMPLES: usize = 64;
+
+/// Sorts directions of unit length.
+pub(super) fn sort(directions: &mut [Vec3]) {
+    halve(directions, 0);
+}
+
+fn halve(directions: &mut [Vec3], depth: usize) {
+    if directions.len() <= SMALLEST {
+        return;
+    }
+    let first = first_half(directions.len());
+    if depth < 3 {
+        directions.select_nth_unstable_by(first, |a, b| a[depth].total_cmp(&b[depth]));
+    } else {
+        let step = directions.len().div_ceil(SAMPLES);
+        let samples: Vec<Vec3> = directions.iter().step_by(step).copied().collect();
+        let middle = samples.iter().sum::<Vec3>().normalize();
+        let axis = Rectangle::around(&samples, middle).long_axis();
+        let slope = |direction: &Vec3| direction.dot(axis) / direction.dot(middle);
+        directions.select_nth_unstable_by(first, |a, b| slope(a).total_cmp(&slope(b)));
+    }
+    let (a, b) = directions.split_at_mut(first);
+    halve(a, depth + 1);
+    halve(b, depth + 1);
+}
+
+/// How many directions of `count` belong to the first half: a power of two of packets, so that bins, which are groups of 4, 16 … packets,
+/// are parts too.
+fn first_half(count: usize) -> usize {
+    let packets = count / PACKET_SIZE;
+    if packets > 1 { packets.next_power_of_two() / 2 * PACKET_SIZE } else { count / 2 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sorted(count: usize) -> Vec<Vec3> {
+        let mut directions: Vec<Vec3> =
+            sh_core::fibonacci(count).into_iter().map(|s| Vec3::from_array(s.map(|x| x as f32)).normalize()).collect();
+        sort(&mut directions);
+        directions
+    }
+
+    #[test]
+    fn every_direction_stays() {
+        for count in [64, 1792, 5440] {
+            let key = |s: &Vec3| s.to_array().map(f32::to_bits);
+            let mut found: Vec<_> = sorted(count).iter().map(key).collect();
+            let mut given: Vec<_> = sh_core::fibonacci(count)
+                .into_iter()
+                .map(|s| key(&Vec3::from_array(s.map(|x| x as f32)).normalize()))
+                .collect();
+            found.sort_unstable();
+            given.sort_unstable();
+            assert_eq!(found, given, "{count}");
+        }
+    }
+
+    #[test]
+    fn parts_of_any_size_are_compact() {
+        // A round part of the sphere with a share `p` of it has a radius r with sin²(r/2) = p. A square one has corners 1.25 r from its middle,
+        // one of 2:1 1.4 r, one of 3:1 1.6 r.
+        for (count, widest, mean) in [(8192, 1.9, 1.5), (5440, 2.1, 1.5)] {
+            let directions = sorted(count);
+            for size in [8, 16, 64, 256, 1024] {
+                let radius = 2.0 * (size as f32 / count as f32).sqrt().asin();
+                let ratios: Vec<f32> = directions
+                    .chunks_exact(size)
+                    .map(|part| {
+                        let middle = part.iter().sum::<Vec3>().normalize();
+                        part.iter().map(|s| s.angle_between(middle)).fold(0.0, f32::max) / radius
+                    })
+                    .collect();
+                let average = ratios.iter().sum::<f32>() / ratios.len() as f32;
+                let largest = ratios.iter().copied().fold(0.0, f32::max);
+                println!("{count} {size}: mean {average:.2}, largest {largest:.2}");
+                assert!(largest < widest && average < mean, "{count} {size}: mean {average}, largest {largest}");
+            }
+        }
+    }
+}
