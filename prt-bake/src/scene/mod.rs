@@ -10,6 +10,7 @@ mod lanes;
 mod mask;
 mod occluded;
 mod packet;
+mod prefetch;
 mod ray;
 mod rectangle;
 mod slab;

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::lanes::{WIDTH, Wide, larger};
 use super::mask::Masks;
+use super::prefetch::prefetch;
 use super::slab::Slab;
 
 /// Boxes of the tree are widened by this on every side, in units of the scene, which is 1 across: more than the rounding of the
@@ -115,6 +116,21 @@ impl Tree {
             leaf.outline.holed = (0..WIDTH).map(holed).sum();
         }
         self.masks = masks;
+    }
+
+    /// Begins to load children of a node.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, node: &Node, mut children: u32) {
+        while children != 0 {
+            let slot = children.trailing_zeros();
+            children &= children - 1;
+            let child = node.child[slot as usize % WIDTH] as usize;
+            if node.leaves >> slot & 1 == 1 {
+                prefetch(&self.leaves[child]);
+            } else {
+                prefetch(&self.nodes[child]);
+            }
+        }
     }
 
     pub(super) fn memory_bytes(&self) -> usize {

@@ -96,6 +96,7 @@ impl<'a> Walk<'a> {
     fn push(&self, number: u32, children: u32, rays: &[u64; WIDTH], stack: &mut Stack) {
         if children != 0 {
             let node = &self.tree.nodes[number as usize];
+            self.tree.prefetch(node, children);
             stack.push(number, children, &distances_along(node, self.packet.beam.mean), rays);
         }
     }
