@@ -19,6 +19,8 @@ const POINTS: usize = 2000;
 const DIRECTIONS: usize = 8192;
 /// Both sides are timed in turn, this often; the medians count.
 const ROUNDS: usize = 5;
+/// Units of the scene, which is 1 across: eight roundings of a coordinate.
+const MOVED: f64 = 1e-6;
 /// As in `peer.cpp`.
 const SCATTERED: u64 = 2_000_000;
 
@@ -55,7 +57,15 @@ pub(super) fn run(asked: Option<&str>) -> Result<()> {
     }
     let head = ["mesh", "here", "Embree", "Mrays/s here", "Mrays/s Embree", "ratio", "traced here"];
     table("prt/embree", &head, &speeds)?;
-    let head = ["mesh", "rays", "occluded", "other answer", "share", "of these within 1e-6 rad of an edge"];
+    let head = [
+        "mesh",
+        "rays",
+        "occluded",
+        "other answer",
+        "share",
+        "of these within 1e-6 rad of an edge",
+        "of the rest, otherwise if the origin moves by 1e-6 of the scene",
+    ];
     table("prt/embree-answers", &head, &answers)
 }
 
@@ -154,11 +164,16 @@ impl Workload {
         let bits = |words: &[u64]| words.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
         let differing: Vec<u64> = here.iter().zip(peer).map(|(a, b)| a ^ b).collect();
         let (rays, count) = (bits(&self.above), bits(&differing));
-        let mut grazing = 0;
+        let (mut grazing, mut brink) = (0, 0);
         for (number, &word) in differing.iter().enumerate() {
             for bit in (0..64).filter(|bit| word >> bit & 1 == 1) {
                 let direction = self.directions.directions()[number % self.words() * 64 + bit];
-                grazing += u64::from(self.edge_angle(self.points[number / self.words()], direction) < 1e-6);
+                let origin = self.points[number / self.words()];
+                if self.edge_angle(origin, direction) < 1e-6 {
+                    grazing += 1;
+                } else {
+                    brink += u64::from(self.is_on_the_brink(origin, direction));
+                }
             }
         }
         vec![
@@ -168,7 +183,28 @@ impl Workload {
             count.to_string(),
             format!("{:.1e}", count as f64 / rays as f64),
             grazing.to_string(),
+            brink.to_string(),
         ]
+    }
+
+    /// Whether a ray is answered otherwise if its origin is moved by [`MOVED`]: in a plane of a face, past an edge.
+    fn is_on_the_brink(&self, origin: Vec3, direction: Vec3) -> bool {
+        let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
+        let found = self.is_hidden(origin, direction);
+        (0..27).any(|corner| {
+            let by = [corner % 3, corner / 3 % 3, corner / 9].map(|step| MOVED * (f64::from(step) - 1.0));
+            self.is_hidden(origin + DVec3::from_array(by), direction) != found
+        })
+    }
+
+    /// Whether a ray meets any triangle, by `f64` and without a tree.
+    fn is_hidden(&self, origin: DVec3, direction: DVec3) -> bool {
+        self.triangles.iter().any(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize].as_dvec3() - origin);
+            let weights = [b.cross(c), c.cross(a), a.cross(b)].map(|plane| plane.dot(direction));
+            let volume = a.dot(b.cross(c));
+            weights.iter().all(|weight| weight * volume >= 0.0) && weights.iter().sum::<f64>() * volume > 0.0
+        })
     }
 
     /// Angle between a ray and the nearest edge of any triangle, by `f64` and without a tree.
