@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::sampling::PACKET_SIZE;
 
-/// Fine directions that are guessed or traced together: neighbours on the sphere, because sets are sorted along a curve.
+/// Fine directions that are guessed or traced together: neighbours on the sphere, because sets are sorted by bisection.
 const GROUP: usize = 4;
 
 /// Groups of a packet.

@@ -84,10 +84,11 @@ fn the_error_asked_for_is_reached_and_estimated_with_fewer_rays() {
         bake(&mesh, &BakeOptions { rays_per_vertex: 1 << 17, seed: 77, target_error: None, ..options(5, 1, 0.1) }).0;
     let mut before = 0;
     for error in [0.02, 0.005, 0.00125] {
-        let (found, report) = bake(&mesh, &options(5, 1 << 15, error));
+        // For the smallest error one of the vertices takes the set of 65,536 directions, a few that of 32,768.
+        let (found, report) = bake(&mesh, &options(5, 1 << 16, error));
         let errors = errors(&found.transfer, &truth.transfer, &found.unshadowed());
         let (reached, estimated) = (rms(errors.into_iter()), report.error.unwrap());
-        // Measured 0.73 to 0.89 of the error asked for; on real meshes 0.5 to 0.8.
+        // Measured 0.71 to 0.98 of the error asked for; on real meshes 0.5 to 1.
         assert!(reached < error, "{error}: {reached}");
         assert!(estimated < error && estimated > 0.5 * reached && estimated < 2.0 * reached, "{reached} {estimated}");
         assert_eq!(report.savings.unconverged_vertices, 0);
