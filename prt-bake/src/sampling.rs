@@ -12,7 +12,8 @@ pub(crate) const PACKET_SIZE: usize = Packet::SIZE;
 
 /// Directions evenly spread over the sphere, each with the same weight, and the basis functions there.
 ///
-/// A spherical Fibonacci set, rotated by a random rotation drawn from the seed and sorted by bisection of the sphere. One set serves every vertex: basis functions are tabulated once, and consecutive directions make coherent packets.
+/// A spherical Fibonacci set, rotated by a random rotation drawn from the seed and sorted by bisection of the sphere. One set serves every
+/// vertex: basis functions are tabulated once, and consecutive directions make coherent packets.
 #[derive(Debug, Clone)]
 pub struct DirectionSet {
     /// `[D]`, unit length; `D` is a multiple of [`PACKET_SIZE`].

@@ -2,8 +2,8 @@
 //!
 //! [SKS02](sh_core#references) section 5 sorts directions into bins of a subdivided icosahedron, and leaves out the bins that are free. Here bins are
 //! groups of consecutive packets: directions are ordered by bisection of the sphere, so that four packets are a compact part, four of these
-//! again, bins nest, a packet lies in one bin, and all have the same number of directions. A list of nodes that a bin may meet is handed down from a bin to its
-//! parts: each part starts from a shorter list, and an empty one proves that all of it is free.
+//! again, bins nest, a packet lies in one bin, and all have the same number of directions. A list of nodes that a bin may meet is handed
+//! down from a bin to its parts: each part starts from a shorter list, and an empty one proves that all of it is free.
 
 use glam::Vec3;
 use multiversion::multiversion;

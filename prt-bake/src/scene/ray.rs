@@ -42,11 +42,11 @@ impl Ray {
 
     /// The triangles of a leaf whose box the ray meets, and where it passes that; nothing if it stays beside the slab.
     #[inline(always)]
-    fn enter_leaf(&self, tree: &Tree, child: Child<'_>, origin: Vec3, direction: Vec3) -> Option<(Wedges, [f32; 2])> {
+    fn enter_leaf(&self, tree: &Tree, child: Child<'_>, direction: Vec3) -> Option<(Wedges, [f32; 2])> {
         let leaf = &tree.leaves[child.number as usize];
-        let passage = Bounds::new(child, origin).passage(self.reciprocal);
-        let is_in_slab = leaf.outline.slab.from(origin).holds_some_of(direction, passage);
-        if is_in_slab { Some((Wedges::new(leaf, origin), passage)) } else { None }
+        let passage = Bounds::new(child, self.origin).passage(self.reciprocal);
+        let is_in_slab = leaf.outline.slab.from(self.origin).holds_some_of(direction, passage);
+        if is_in_slab { Some((Wedges::new(leaf, self.origin), passage)) } else { None }
     }
 }
 
@@ -70,7 +70,7 @@ pub(super) fn occluded_portable(tree: &Tree, origin: Vec3, direction: Vec3, stac
             ray.push(tree, Entry::unopened(child.number), f32::INFINITY, stack);
             continue;
         }
-        if let Some((wedges, _)) = ray.enter_leaf(tree, child, origin, direction)
+        if let Some((wedges, _)) = ray.enter_leaf(tree, child, direction)
             && is_hidden(&wedges, tree, child, direction)
         {
             return true;
@@ -100,7 +100,7 @@ pub(super) fn closest_portable(tree: &Tree, origin: Vec3, direction: Vec3, stack
             ray.push(tree, Entry::unopened(child.number), nearest.distance, stack);
             continue;
         }
-        if let Some((wedges, passage)) = ray.enter_leaf(tree, child, origin, direction) {
+        if let Some((wedges, passage)) = ray.enter_leaf(tree, child, direction) {
             nearest.meet_leaf(&wedges, tree, child, direction, passage);
         }
     }

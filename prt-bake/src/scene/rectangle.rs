@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// A rectangle that holds directions, seen as points on a plane at distance 1 along one of them.
+/// A rectangle that holds directions, seen as points on a plane at distance 1 along a middle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rectangle {
     /// Unit length, perpendicular to the middle.

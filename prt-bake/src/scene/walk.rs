@@ -14,8 +14,8 @@ use super::packet::Packet;
 use super::stack::{Entry, Item, Stack};
 use super::tree::Tree;
 
-/// If no more rays than this meet a node, each is tested against all of its boxes. On `dragon_100k` and `stanford_bunny` 8 is 5 % slower, 12 to
-/// 64 are the same.
+/// If no more rays than this meet a node, each is tested against all of its boxes. On `dragon_100k` and `stanford_bunny` 8 is 5 to 10 %
+/// slower, 12 to 64 are the same.
 const SOME_RAYS: u32 = 20;
 
 /// A packet from an origin.

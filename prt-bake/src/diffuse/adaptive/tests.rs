@@ -84,11 +84,13 @@ fn the_error_asked_for_is_reached_and_estimated_with_fewer_rays() {
         bake(&mesh, &BakeOptions { rays_per_vertex: 1 << 17, seed: 77, target_error: None, ..options(5, 1, 0.1) }).0;
     let mut before = 0;
     for error in [0.02, 0.005, 0.00125] {
-        // For the smallest error one of the vertices takes the set of 65,536 directions, a few that of 32,768.
+        // With 32,768 directions at most, 0 to 7 vertices do not reach the smallest error, by the seed (ten were tried, with two orders of the
+        // directions).
         let (found, report) = bake(&mesh, &options(5, 1 << 16, error));
         let errors = errors(&found.transfer, &truth.transfer, &found.unshadowed());
         let (reached, estimated) = (rms(errors.into_iter()), report.error.unwrap());
-        // Measured 0.71 to 0.98 of the error asked for; on real meshes 0.5 to 1.
+        // Measured 0.71 to 0.98 of the error asked for; on real meshes 0.5 to 1. What bounds it is the post: seen edge on it slips between
+        // the coarsest directions. With other seeds the smallest error is reached 0.86 to 1.41 times.
         assert!(reached < error, "{error}: {reached}");
         assert!(estimated < error && estimated > 0.5 * reached && estimated < 2.0 * reached, "{reached} {estimated}");
         assert_eq!(report.savings.unconverged_vertices, 0);
