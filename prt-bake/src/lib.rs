@@ -60,7 +60,8 @@ pub use geometry::Geometry;
 pub use image::{ExrPrecision, Image, save_png};
 #[cfg(feature = "trace")]
 pub use job::{
-    BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_to_file, is_journal, journal_info, merge_parts,
+    BakeTarget, FileReport, JournalInfo, Part, Unfinished, bake_texels, bake_texels_to_file, bake_to_file, is_journal,
+    journal_info, merge_parts,
 };
 pub use load::load_mesh;
 pub use material::{SurfaceMaterial, Texture, TextureMap, TextureWrap};
@@ -75,7 +76,7 @@ pub use sampling::DirectionSet;
 pub use scene::{Answered, DirectionTracer, Hit, Scene};
 pub use texels::{Coverage, TexelTransfer};
 #[cfg(feature = "trace")]
-pub use texels::{TexelOptions, TexelReport, bake_texels};
+pub use texels::{TexelOptions, TexelReport};
 pub use transfer::TransferVectors;
 pub use zonal::{ViewMap, ZonalTransfer};
 

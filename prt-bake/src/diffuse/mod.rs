@@ -22,7 +22,7 @@ mod validity;
 
 use std::time::Duration;
 
-use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, TransferVectors};
+use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, TexelReport, TransferVectors};
 pub(crate) use bounce::Reflection;
 pub use budget::{TimePlan, error_for_time};
 pub(crate) use direct::{DirectPass, Scratch, add_scaled};
@@ -63,6 +63,23 @@ pub struct BakeReport {
     pub savings: Savings,
     /// What was found at each vertex; empty where no ray was traced.
     pub vertices: Vec<VertexStats>,
+    /// What became of the atlas, if texels were baked in place of vertices.
+    pub texels: Option<TexelReport>,
+}
+
+impl BakeReport {
+    /// Takes down what was found at the vertices.
+    pub(crate) fn count(&mut self, options: &BakeOptions, vertices: Vec<VertexStats>) {
+        let sum = |count: fn(&VertexStats) -> u32| vertices.iter().map(|stats| u64::from(count(stats))).sum::<u64>();
+        self.rays_traced = sum(|stats| stats.rays);
+        self.occluded_share = sum(|stats| stats.occluded) as f64 / (sum(|stats| stats.directions) as f64).max(1.0);
+        let errors = vertices.iter().map(|stats| f64::from(stats.error)).filter(|error| !error.is_nan());
+        let (count, squares) = errors.fold((0_u32, 0.0), |(count, sum), error| (count + 1, sum + error * error));
+        self.error = (count > 0).then(|| (squares / f64::from(count)).sqrt());
+        self.invalid_vertices = vertices.iter().filter(|stats| !stats.is_valid()).count();
+        self.savings = Savings::of(options, &vertices);
+        self.vertices = vertices;
+    }
 }
 
 /// Bakes diffuse transfer for every vertex of a mesh.
@@ -91,7 +108,7 @@ pub fn bake_diffuse(
     crate::job::bake_in_memory(mesh, options, progress)
 }
 
-fn unshadowed(mesh: &Mesh, options: &BakeOptions) -> BakedSurface {
+pub(crate) fn unshadowed(mesh: &Mesh, options: &BakeOptions) -> BakedSurface {
     BakedSurface {
         metadata: Metadata { seed: options.seed, ..Metadata::default() },
         geometry: Geometry::of(mesh),

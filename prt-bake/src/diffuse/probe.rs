@@ -25,12 +25,13 @@ impl ErrorProbe {
         options.target_error.is_none().then(|| Self { ladder: ladder(), step })
     }
 
-    /// The estimated error of `row`, the shadowed vector of `vertex`, relative to the length of the unshadowed one; NaN if this vertex
-    /// is not one of those at which it is estimated.
+    /// Whether the vertex of this number is one of those at which the error is estimated.
+    pub(crate) fn samples(&self, number: usize) -> bool {
+        number.is_multiple_of(self.step)
+    }
+
+    /// The estimated error of `row`, the shadowed vector of `vertex`, relative to the length of the unshadowed one.
     pub(crate) fn estimate(&self, direct: &DirectPass, scratch: &mut Scratch, vertex: usize, row: &[f32]) -> f32 {
-        if !vertex.is_multiple_of(self.step) {
-            return f32::NAN;
-        }
         let again = DirectPass { ladder: &self.ladder, ..*direct };
         let mut second = vec![0.0; row.len()];
         again.shadowed_vector(scratch, vertex, &mut second);

@@ -9,6 +9,7 @@ use exr::prelude::{
     Layer, LayerAttributes, LineOrder, Text, WritableImage,
 };
 
+use super::sorted_head::SortedHead;
 use super::{ZonalTexture, write};
 use crate::Error;
 use crate::atomic::write_atomically;
@@ -40,10 +41,12 @@ pub(crate) fn write_planes(
     let layer = Layer::new(size, attributes(metadata), encoding, channels);
     let image = Image::from_layer(layer);
     write_atomically(path, |writer| {
-        image.write().to_buffered(writer).map_err(|error| match error {
+        let mut writer = SortedHead::new(writer);
+        image.write().to_buffered(&mut writer).map_err(|error| match error {
             ExrError::Io(error) => error,
             error => io::Error::other(error),
-        })
+        })?;
+        writer.finish()
     })?;
     std::fs::metadata(path).map(|file| file.len()).map_err(|cause| Error::Io {
         action: "read",

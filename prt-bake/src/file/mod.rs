@@ -2,6 +2,7 @@
 
 mod exr;
 mod read;
+mod sorted_head;
 mod surface;
 mod write;
 mod zonal;

@@ -1,8 +1,10 @@
 //! OpenEXR.
 
 use std::collections::BTreeMap;
-use std::io::{self, Cursor};
+use std::fs::File;
+use std::io::{self, BufReader, Cursor};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::lines::LineIndex;
@@ -17,7 +19,8 @@ use half::f16;
 
 use super::primaries;
 use super::{Image, check_size};
-use crate::input::Fault;
+use crate::Error;
+use crate::input::{Fault, check_is_file};
 
 /// Most times that a compression expands: deflate's 1032, which PIZ, RLE, B44 and PXR24 stay below.
 const MAX_EXPANSION: usize = 1032;
@@ -70,6 +73,15 @@ pub(crate) struct PartInfo {
     pub(crate) texts: BTreeMap<String, String>,
     /// Names of the channels.
     pub(crate) channels: Vec<String>,
+}
+
+/// What the first part of an image says of itself; its pixels are not read.
+pub(crate) fn read_part_info(path: &Path) -> Result<PartInfo, Fault> {
+    let fail = |cause| Error::Io { action: "read", path: path.to_owned(), cause };
+    check_is_file(path)?;
+    let file = BufReader::new(File::open(path).map_err(fail)?);
+    let read = || block::read(file, false).map(|reader| part_info(&reader.headers()[0])).map_err(fault);
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(Fault::malformed("its head makes the decoder fail")))
 }
 
 /// Reads chosen channels of the first part of an image, `[H, W, slots]`; what the file leaves out is NaN.

@@ -7,7 +7,9 @@ use super::journal::{Journal, Key};
 use crate::diffuse::HitRecord;
 use crate::{Error, VertexStats};
 
-/// Pass under which the statistics of the vertices are kept; transfer is kept under its bounce, direct light under 0.
+/// Pass under which the transfer of texels is kept; that of vertices is kept under its bounce, direct light under 0.
+pub(crate) const TEXELS: usize = 0x4000_0000;
+/// What is added to a pass to keep the statistics of its vertices or texels.
 const STATS: u32 = 0x8000_0000;
 /// Pass under which the hits are kept along which light is reflected.
 const HITS: u32 = 0x8000_0001;
@@ -47,6 +49,11 @@ impl Journal {
         is_there(0) && is_there(STATS) && (!has_hits || is_there(HITS))
     }
 
+    /// Whether all of a block of texels is there.
+    pub(crate) fn has_texels(&self, block: u32) -> bool {
+        [TEXELS as u32, STATS | TEXELS as u32].iter().all(|&pass| self.contains(key(pass, block)))
+    }
+
     pub(crate) fn append_rows(&self, pass: usize, block: u32, rows: &[f32]) -> Result<(), Error> {
         let bytes: Vec<u8> = rows.iter().flat_map(|value| value.to_le_bytes()).collect();
         self.append(key(pass as u32, block), &bytes)
@@ -59,25 +66,32 @@ impl Journal {
         Ok(())
     }
 
-    pub(crate) fn append_stats(&self, block: u32, stats: &[VertexStats]) -> Result<(), Error> {
+    pub(crate) fn append_stats(&self, pass: usize, block: u32, stats: &[VertexStats]) -> Result<(), Error> {
         let bytes: Vec<u8> = stats.iter().flat_map(stats_to_bytes).collect();
-        self.append(key(STATS, block), &bytes)
+        self.append(key(STATS | pass as u32, block), &bytes)
     }
 
     /// Reads the statistics of a block into `stats`.
-    fn read_stats(&self, block: u32, stats: &mut [VertexStats]) -> Result<(), Error> {
-        let bytes = self.read_exactly(key(STATS, block), STATS_SIZE * stats.len())?;
+    fn read_stats(&self, pass: usize, block: u32, stats: &mut [VertexStats]) -> Result<(), Error> {
+        let bytes = self.read_exactly(key(STATS | pass as u32, block), STATS_SIZE * stats.len())?;
         stats.iter_mut().zip(bytes.as_chunks().0).for_each(|(stats, bytes)| *stats = stats_from_bytes(bytes));
         Ok(())
     }
 
-    /// The statistics of the vertices of some blocks.
-    pub(crate) fn all_stats(&self, blocks: Blocks, numbers: Range<u32>) -> Result<Vec<VertexStats>, Error> {
+    /// The statistics of the vertices, or texels, of some blocks.
+    ///
+    /// - `pass`: 0 or [`TEXELS`]
+    pub(crate) fn all_stats(
+        &self,
+        pass: usize,
+        blocks: Blocks,
+        numbers: Range<u32>,
+    ) -> Result<Vec<VertexStats>, Error> {
         let mut all = Vec::new();
         for block in numbers {
             let first = all.len();
             all.resize(first + blocks.vertices(block).len(), VertexStats::default());
-            self.read_stats(block, &mut all[first..])?;
+            self.read_stats(pass, block, &mut all[first..])?;
         }
         Ok(all)
     }
@@ -115,6 +129,13 @@ impl Journal {
         }
         let reason = format!("block {} of pass {:#x} has {} bytes instead of {size}", key.block, key.pass, bytes.len());
         Err(self.malformed(reason))
+    }
+}
+
+impl Key {
+    /// Whether the record is of a block of texels.
+    pub(super) fn is_of_texels(self) -> bool {
+        self.pass & !STATS == TEXELS as u32
     }
 }
 

@@ -6,14 +6,15 @@ use serde::{Deserialize, Serialize};
 use sh_core::Order;
 
 use super::Part;
+use super::block::TEXELS;
 use super::blocks::Blocks;
 use super::journal::{Journal, Key};
-use crate::{BakeOptions, Error, Mesh};
+use crate::{BakeOptions, Error, Mesh, TexelOptions};
 
 /// Pass under which a journal keeps what is not of a block.
 const ABOUT: u32 = u32::MAX;
 const HEADER: Key = Key { pass: ABOUT, block: 0 };
-/// A baked file without transfer: the surface, so that parts can be merged where the scene is not.
+/// A baked file without transfer, or an atlas without: the surface, so that parts can be merged where the scene is not.
 pub(super) const SURFACE: Key = Key { pass: ABOUT, block: 1 };
 /// Appended when all of a part is done.
 pub(super) const DONE: Key = Key { pass: ABOUT, block: 2 };
@@ -31,6 +32,20 @@ pub(super) struct Header {
     pub(super) channels: usize,
     /// Number and count.
     part: (u32, u32),
+    /// The atlas, if texels are baked in place of vertices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) texels: Option<TexelSettings>,
+}
+
+/// What decides the bytes of an atlas beside the options of its bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct TexelSettings {
+    /// Texels that a point of the surface is baked for.
+    texel_count: usize,
+    width: usize,
+    height: usize,
+    gutter: usize,
+    v_up: bool,
 }
 
 /// The options that decide what a bake's bytes are: all but the number of threads.
@@ -73,15 +88,6 @@ impl Settings {
         Self { order, rays_per_vertex, target_error, shadowed, bounces, bounce_threshold, inside, keep_shadowed, seed }
     }
 
-    /// Names and values, for people.
-    pub(super) fn by_name(&self) -> BTreeMap<String, String> {
-        let entries = flattened(serde_json::json!({ "settings": self }).as_object().cloned().unwrap_or_default());
-        entries
-            .into_iter()
-            .map(|(name, value)| (name, value.as_str().map_or(value.to_string(), str::to_owned)))
-            .collect()
-    }
-
     pub(super) fn options(&self, threads: Option<usize>) -> Result<BakeOptions, Error> {
         let options = BakeOptions {
             order: Order::new(self.order).map_err(|error| Error::Option(error.to_string()))?,
@@ -109,7 +115,15 @@ impl Header {
             vertex_count: mesh.positions().len(),
             channels: if options.bounces > 0 { mesh.channel_count() } else { 1 },
             part: (part.number(), part.count()),
+            texels: None,
         }
+    }
+
+    /// The same for an atlas with so many texels that are baked.
+    pub(super) fn with_texels(self, texels: &TexelOptions, texel_count: usize) -> Self {
+        // Without `..`, as above.
+        let TexelOptions { width, height, gutter, v_up } = *texels;
+        Self { texels: Some(TexelSettings { texel_count, width, height, gutter, v_up }), ..self }
     }
 
     /// SHA-256 of all that decides the bytes of the result, in hexadecimal. All parts of a bake share it.
@@ -123,8 +137,48 @@ impl Header {
         Self { part: (1, 1), ..self.clone() }
     }
 
+    /// The blocks that parts share: of texels, or of vertices.
     pub(super) fn blocks(&self) -> Blocks {
-        Blocks::of(self.vertex_count, self.settings.rays_per_vertex)
+        Blocks::of(self.shared_count(), self.settings.rays_per_vertex)
+    }
+
+    /// Texels, or vertices, of all parts together.
+    pub(super) fn shared_count(&self) -> usize {
+        self.texels.map_or(self.vertex_count, |texels| texels.texel_count)
+    }
+
+    /// The pass under which the transfer of what parts share is kept first.
+    pub(super) fn shared_pass(&self) -> usize {
+        if self.texels.is_some() { TEXELS } else { 0 }
+    }
+
+    /// Whether a record is of what parts share.
+    pub(super) fn shares(&self, key: Key) -> bool {
+        key.is_of_block() && (self.texels.is_none() || key.is_of_texels())
+    }
+
+    /// The blocks of vertices whose light texels gather, if they do.
+    pub(super) fn gathered_blocks(&self) -> Option<Blocks> {
+        let gathers = self.texels.is_some() && self.settings.bounces > 0;
+        gathers.then(|| Blocks::of(self.vertex_count, self.settings.rays_per_vertex))
+    }
+
+    /// Of an atlas, in texels.
+    pub(super) fn gutter(&self) -> usize {
+        self.texels.map_or(0, |texels| texels.gutter)
+    }
+
+    /// Whether rays are traced: not if transfer follows from the normals.
+    pub(super) fn is_traced(&self) -> bool {
+        self.settings.shadowed
+    }
+
+    /// Whether a journal has all that is traced for a block.
+    pub(super) fn has_block(&self, journal: &Journal, block: u32) -> bool {
+        match self.texels {
+            Some(_) => journal.has_texels(block),
+            None => journal.has_block(block, self.settings.bounces > 0),
+        }
     }
 
     pub(super) fn part(&self) -> Result<Part, Error> {
@@ -134,9 +188,19 @@ impl Header {
     /// Whether a journal is the file of this very part, and has all of it.
     pub(super) fn is_complete_in(&self, journal: &Journal) -> bool {
         let blocks = self.blocks();
-        let has_all =
-            |part: Part| part.blocks(blocks.count()).all(|block| journal.has_block(block, self.settings.bounces > 0));
+        let has_all = |part: Part| part.blocks(blocks.count()).all(|block| self.has_block(journal, block));
         journal.contains(DONE) && journal.contains(SURFACE) && self.part().is_ok_and(has_all)
+    }
+
+    /// Names and values of the options, for people.
+    pub(super) fn settings_by_name(&self) -> BTreeMap<String, String> {
+        let options = serde_json::json!({ "settings": self.settings, "texels": self.texels });
+        let entries = flattened(options.as_object().cloned().unwrap_or_default());
+        entries
+            .into_iter()
+            .filter(|(_, value)| !value.is_null())
+            .map(|(name, value)| (name, value.as_str().map_or(value.to_string(), str::to_owned)))
+            .collect()
     }
 
     pub(super) fn append_to(&self, journal: &Journal) -> Result<(), Error> {
@@ -155,6 +219,10 @@ impl Header {
 
     /// Says how another header differs; `None` if it does not.
     pub(super) fn difference(&self, other: &Self) -> Option<String> {
+        if self.texels.is_some() != other.texels.is_some() {
+            let [there, here] = [other, self].map(|header| if header.texels.is_some() { "texels" } else { "vertices" });
+            return Some(format!("{there} are baked there, but {here} now"));
+        }
         let [serde_json::Value::Object(own), serde_json::Value::Object(others)] =
             [self, other].map(|header| serde_json::json!(header))
         else {
@@ -170,7 +238,7 @@ impl Header {
     }
 }
 
-/// All entries, those of the settings too, by name.
+/// All entries, those of the settings and of the atlas too, by name.
 fn flattened(map: serde_json::Map<String, serde_json::Value>) -> Vec<(String, serde_json::Value)> {
     let entries = map.into_iter().flat_map(|(name, value)| match value {
         serde_json::Value::Object(inner) => inner.into_iter().collect::<Vec<_>>(),

@@ -2,12 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use super::Part;
 use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
+use super::stages::Baked;
 use super::target::{FileReport, journal_path, write_result};
-use super::{Part, count, finished};
+use super::texels::assembled;
+use super::vertices::finished;
 use crate::parallel::Threads;
-use crate::{BakeReport, BakedSurface, Error, Progress};
+use crate::texels::AtlasPlan;
+use crate::{BakeReport, BakedSurface, Error, Metadata, Progress};
 
 /// Puts the parts of a bake together, in any order, and follows the bounces if any were asked for. The file has the same bytes as one
 /// baked in one go. The scene itself is not needed.
@@ -23,17 +27,28 @@ pub fn merge_parts(
     let parts = parts.iter().map(|path| PartFile::open(path)).collect::<Result<Vec<_>, Error>>()?;
     check_complete(&parts)?;
     let first = parts.first().ok_or_else(|| Error::Option("no parts to merge".to_owned()))?;
-    let (surface, header) = (first.surface()?, first.header.whole());
+    let header = first.header.whole();
+    let surface = first.surface()?;
     let options = header.settings.options(threads)?;
     let journal = new_journal(&journal_path(path), &header)?;
     parts.iter().try_for_each(|part| part.copy_to(&journal, progress))?;
     let threads = Threads::new(options.threads)?;
     let mut report = BakeReport { threads: threads.count(), ..BakeReport::default() };
     let blocks = header.blocks();
-    count(&mut report, &options, journal.all_stats(blocks, 0..blocks.count())?);
-    let mut baked = finished(surface.geometry, &header, &options, &journal, &threads, progress, &mut report)?;
-    baked.metadata.source = surface.metadata.source;
-    write_result(&baked, path, journal, report)
+    report.count(&options, journal.all_stats(header.shared_pass(), blocks, 0..blocks.count())?);
+    match surface {
+        Surface::Mesh(BakedSurface { geometry, metadata: Metadata { source, .. }, .. }) => {
+            let mut baked = finished(geometry, &header, &options, &journal, &threads, progress, &mut report)?;
+            baked.complete(&header, source.as_ref());
+            write_result(&baked, path, journal, report)
+        }
+        Surface::Atlas(plan) => {
+            let source = plan.source();
+            let (mut atlas, found) = assembled(plan, &header, &options, &journal, &report)?;
+            atlas.complete(&header, source.as_ref());
+            write_result(&atlas, path, journal, BakeReport { texels: Some(found), ..report })
+        }
+    }
 }
 
 /// A journal for the whole, in place of one of the same bake: the parts have all that is in that one.
@@ -44,6 +59,12 @@ fn new_journal(path: &Path, header: &Header) -> Result<Journal, Error> {
     let journal = Journal::create(path)?;
     header.append_to(&journal)?;
     Ok(journal)
+}
+
+/// What a part keeps of the scene.
+enum Surface {
+    Mesh(BakedSurface),
+    Atlas(AtlasPlan),
 }
 
 /// The file of a part that is done.
@@ -68,20 +89,28 @@ impl PartFile {
         Ok(Self { path: path.to_owned(), journal, header, part })
     }
 
-    fn surface(&self) -> Result<BakedSurface, Error> {
+    fn surface(&self) -> Result<Surface, Error> {
         let mut bytes = Vec::new();
         self.journal.read(SURFACE, &mut bytes)?;
-        let surface = BakedSurface::from_bytes(&bytes, &self.path)?;
-        match surface.geometry.vertex_count() {
-            count if count == self.header.vertex_count => Ok(surface),
-            count => Err(self.journal.malformed(format!("{count} vertices for {}", self.header.vertex_count))),
+        let (surface, count) = if self.header.texels.is_some() {
+            let plan = AtlasPlan::from_bytes(&bytes).map_err(|reason| self.journal.malformed(reason))?;
+            let count = plan.baked().count();
+            (Surface::Atlas(plan), count)
+        } else {
+            let surface = BakedSurface::from_bytes(&bytes, &self.path)?;
+            let count = surface.geometry.vertex_count();
+            (Surface::Mesh(surface), count)
+        };
+        match self.header.shared_count() {
+            expected if expected == count => Ok(surface),
+            expected => Err(self.journal.malformed(format!("{count} vertices or texels for {expected}"))),
         }
     }
 
-    /// Copies what was traced.
+    /// Copies what was traced for this part; the vertices that texels gather from are in every part, and are not needed any more.
     fn copy_to(&self, journal: &Journal, progress: &dyn Progress) -> Result<(), Error> {
         let mut payload = Vec::new();
-        for key in self.journal.keys().into_iter().filter(|key| key.is_of_block()) {
+        for key in self.journal.keys().into_iter().filter(|key| self.header.shares(*key)) {
             if progress.is_cancelled() {
                 return Err(Error::Cancelled);
             }

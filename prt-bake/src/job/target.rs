@@ -4,14 +4,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::header::{DONE, Header, SURFACE};
+use super::stages::{Baked, Job};
 use super::journal::Journal;
-use super::{Part, finished, traced};
 use crate::atomic::{remove_leftovers, sync_folder};
-use crate::parallel::Threads;
-use crate::{
-    BakeOptions, BakeReport, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, Source, TransferVectors,
-    bake_diffuse, file_info,
-};
+use crate::{BakeReport, Error, Metadata, Part, Source};
 
 /// What is done with the journal of a bake that did not come to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,7 +26,7 @@ pub enum Unfinished {
 pub struct BakeTarget {
     /// The baked file, or the file of a part. Until it is complete what is done is in a journal beside it, `PATH.journal`.
     pub path: PathBuf,
-    /// Which share of the vertices is baked.
+    /// Which share of the vertices, or of the texels, is baked.
     pub part: Part,
     /// What is done if there is a journal already.
     pub unfinished: Unfinished,
@@ -62,7 +58,7 @@ impl BakeTarget {
 /// What came of a bake into a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FileReport {
-    /// What the bake did; of a part, for its own vertices.
+    /// What the bake did; of a part, for its own vertices or texels.
     pub bake: BakeReport,
     /// How the transfer was made; `None` for a part.
     pub metadata: Option<Metadata>,
@@ -74,96 +70,68 @@ pub struct FileReport {
     pub was_up_to_date: bool,
 }
 
-/// Bakes diffuse transfer into a file, as [`bake_diffuse`] does, and keeps on disk what is done.
-///
-/// Every block of 16 vertices is written to a journal when it is done, the hits for interreflection too, so that memory holds the mesh,
-/// the tree and once the output, and little else. A bake that is killed or cancelled goes on with [`Unfinished::Resume`]; the file has
-/// the same bytes as one baked in one go. A part is merged with the others by [`merge_parts`](super::merge_parts).
-///
-/// # Errors
-/// As [`bake_diffuse`]; if a file cannot be read or written; if there is an unfinished bake and [`BakeTarget::unfinished`] refuses it, or
-/// it belongs to another mesh or other options.
-pub fn bake_to_file(
-    mesh: &Mesh,
-    options: &BakeOptions,
-    target: &BakeTarget,
-    progress: &dyn Progress,
-) -> Result<FileReport, Error> {
-    options.validate()?;
-    if !options.shadowed || is_device(&target.path) {
-        return at_once(mesh, options, target, progress);
+/// Makes the file of a bake: what is there already, or goes on with a journal, or begins one.
+pub(super) fn into_file<J: Job>(mut job: J, target: &BakeTarget) -> Result<FileReport, Error> {
+    let header = job.header().clone();
+    let is_traced = header.is_traced();
+    if !is_traced && !target.part.is_whole() {
+        return Err(Error::Option(format!(
+            "part {} of transfer without shadows: no ray is traced for it",
+            target.part
+        )));
     }
-    let header = Header::new(mesh, options, target.part);
-    if target.accepts_what_is_there() && is_done(&target.path, &header) {
+    if target.accepts_what_is_there() && is_done::<J>(&target.path, &header) {
         return up_to_date(target, &header);
+    }
+    if !is_traced || is_device(&target.path) {
+        // There is nothing to lose, or no place beside it.
+        let journal = Journal::in_memory();
+        job.trace(&journal)?;
+        let mut baked = job.finish(&journal)?;
+        baked.complete(&header, target.source.as_ref());
+        return write(&baked, &target.path, job.into_report());
     }
     check_overwritten(target, &header)?;
     let journal = open_journal(target, &header)?;
-    let threads = Threads::new(options.threads)?;
-    let mut report = BakeReport::default();
-    if let Err(error) = traced(mesh, options, target.part, &journal, &threads, progress, &mut report) {
+    if let Err(error) = job.trace(&journal) {
         if !journal.has_blocks() {
             remove(&target.journal_path())?;
         }
         return Err(error);
     }
     if !target.part.is_whole() {
-        return close_part(mesh, target, journal, report);
+        let surface = job.surface(target.source.as_ref())?;
+        return close_part(&surface, target, journal, job.into_report());
     }
-    let mut baked = finished(Geometry::of(mesh), &header, options, &journal, &threads, progress, &mut report)?;
-    baked.metadata.source.clone_from(&target.source);
-    write_result(&baked, &target.path, journal, report)
+    let mut baked = job.finish(&journal)?;
+    baked.complete(&header, target.source.as_ref());
+    write_result(&baked, &target.path, journal, job.into_report())
 }
 
 /// Writes the baked file, and then removes the journal.
 pub(super) fn write_result(
-    baked: &BakedSurface,
+    baked: &impl Baked,
     path: &Path,
     journal: Journal,
     report: BakeReport,
 ) -> Result<FileReport, Error> {
     remove_leftovers(path);
-    let bytes = baked.write(path)?;
+    let report = write(baked, path, report)?;
     // While it is locked, so that nobody takes it for his own.
     remove(&journal_path(path))?;
     drop(journal);
-    Ok(FileReport {
-        bake: report,
-        metadata: Some(baked.metadata.clone()),
-        channels: Some(baked.transfer.channels),
-        bytes,
-        was_up_to_date: false,
-    })
+    Ok(report)
+}
+
+fn write(baked: &impl Baked, path: &Path, bake: BakeReport) -> Result<FileReport, Error> {
+    let bytes = baked.write_to(path)?;
+    let channels = Some(baked.transfer().channels);
+    Ok(FileReport { bake, metadata: Some(baked.metadata().clone()), channels, bytes, was_up_to_date: false })
 }
 
 /// A device or a pipe has no place beside it.
 fn is_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
-}
-
-/// Bakes without a journal: without shadows there is nothing to lose.
-fn at_once(
-    mesh: &Mesh,
-    options: &BakeOptions,
-    target: &BakeTarget,
-    progress: &dyn Progress,
-) -> Result<FileReport, Error> {
-    if !target.part.is_whole() {
-        return Err(Error::Option(format!(
-            "part {} of transfer without shadows: no ray is traced for it",
-            target.part
-        )));
-    }
-    let header = Header::new(mesh, options, target.part);
-    if target.accepts_what_is_there() && is_done(&target.path, &header) {
-        return up_to_date(target, &header);
-    }
-    let (mut baked, bake) = bake_diffuse(mesh, options, progress)?;
-    baked.metadata.identity = Some(header.identity());
-    baked.metadata.source.clone_from(&target.source);
-    let bytes = baked.write(&target.path)?;
-    let channels = Some(baked.transfer.channels);
-    Ok(FileReport { bake, metadata: Some(baked.metadata), channels, bytes, was_up_to_date: false })
 }
 
 /// `PATH.journal`.
@@ -174,11 +142,9 @@ pub(super) fn journal_path(path: &Path) -> PathBuf {
 }
 
 /// Whether the file is the result of this very bake.
-fn is_done(path: &Path, header: &Header) -> bool {
+fn is_done<J: Job>(path: &Path, header: &Header) -> bool {
     match header.part() {
-        Ok(part) if part.is_whole() => {
-            file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()))
-        }
+        Ok(part) if part.is_whole() => J::Baked::identity_of(path) == Some(header.identity()),
         _ => Journal::open(path).is_ok_and(|journal| {
             header.is_complete_in(&journal) && Header::read(&journal).is_ok_and(|found| found.as_ref() == Some(header))
         }),
@@ -248,15 +214,13 @@ fn check_same(found: &Header, header: &Header, path: &Path) -> Result<(), Error>
 }
 
 /// Adds the surface to the journal of a part, and gives it the name of the part.
-fn close_part(mesh: &Mesh, target: &BakeTarget, journal: Journal, report: BakeReport) -> Result<FileReport, Error> {
-    let surface = BakedSurface {
-        metadata: Metadata { source: target.source.clone(), ..Metadata::default() },
-        geometry: Geometry::of(mesh),
-        transfer: TransferVectors::unshadowed(sh_core::Order::new(1).expect("1 is an order"), mesh.normals()),
-        transfer_shadowed: None,
-        validity: None,
-    };
-    journal.append(SURFACE, &surface.to_bytes()?)?;
+fn close_part(
+    surface: &[u8],
+    target: &BakeTarget,
+    journal: Journal,
+    report: BakeReport,
+) -> Result<FileReport, Error> {
+    journal.append(SURFACE, surface)?;
     journal.append(DONE, &[])?;
     journal.sync()?;
     let fail = |cause| Error::Io { action: "write", path: target.path.clone(), cause };

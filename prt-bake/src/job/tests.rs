@@ -7,7 +7,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use sh_core::Order;
 
 use super::*;
-use crate::{InsidePolicy, MeshOptions, MeshSource, Source, bake_diffuse};
+use crate::{
+    BakeOptions, BakedSurface, Error, InsidePolicy, Mesh, MeshOptions, MeshSource, Progress, Source, VertexStats,
+    bake_diffuse,
+};
+
+mod texels;
 
 /// A folded sheet in two colours: every vertex sees another.
 fn fold(cells: u32) -> Mesh {

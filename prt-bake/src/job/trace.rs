@@ -77,14 +77,14 @@ impl Tracer<'_> {
                 stats.rays += self.direct.nearest_hits(scratch, vertex, &mut found);
                 hits.push(found.iter().copied());
             }
-            if let Some(probe) = &self.probe {
+            if let Some(probe) = self.probe.as_ref().filter(|probe| probe.samples(vertex)) {
                 stats.error = probe.estimate(&self.direct, scratch, vertex, row);
             }
         }
         if self.keep_hits {
             self.journal.append_hits(block, &hits)?;
         }
-        self.journal.append_stats(block, &stats)?;
+        self.journal.append_stats(0, block, &stats)?;
         self.journal.append_rows(0, block, &rows)?;
         Ok((vertices.len(), stats.iter().map(|stats| u64::from(stats.rays)).sum()))
     }

@@ -89,11 +89,11 @@ impl<'a> Opaque<'a> {
                 stats.push(found.stats());
             }
             journal.append_hits(block, &hits)?;
-            journal.append_stats(block, &stats)?;
+            journal.append_stats(0, block, &stats)?;
             journal.append_rows(0, block, &rows)?;
             Ok((texels.len(), stats.iter().map(|stats| u64::from(stats.rays)).sum()))
         })?;
-        let stats = journal.all_stats(blocks, 0..blocks.count())?;
+        let stats = journal.all_stats(0, blocks, 0..blocks.count())?;
         report.add_rays(stats.iter().map(|stats| (u64::from(stats.rays), u64::from(stats.occluded))));
         Ok(())
     }

@@ -58,8 +58,13 @@ impl<'a> Layout<'a> {
         self.mesh.original_triangles().len()
     }
 
-    pub(super) fn uv(&self, vertex: u32) -> [f32; 2] {
+    fn uv(&self, vertex: u32) -> [f32; 2] {
         self.uvs[vertex as usize]
+    }
+
+    /// The place of a vertex.
+    pub(super) fn place(&self, vertex: u32) -> DVec2 {
+        self.grid.place(self.uv(vertex))
     }
 
     fn face_uvs(&self, face: usize) -> [[f32; 2]; 3] {

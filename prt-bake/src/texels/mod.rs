@@ -3,12 +3,12 @@
 //! A texel is a point of the surface like a vertex: position and smooth normal come from the face that its centre lies in. So a coarse
 //! mesh gets shadows as fine as its texture is.
 
-#[cfg(feature = "trace")]
-mod bake;
 mod coverage;
 #[cfg(feature = "trace")]
 mod edges;
 mod exr;
+#[cfg(feature = "trace")]
+mod finish;
 mod grid;
 #[cfg(feature = "trace")]
 mod gutter;
@@ -16,6 +16,8 @@ mod gutter;
 mod layout;
 #[cfg(feature = "trace")]
 mod options;
+#[cfg(feature = "trace")]
+mod plan;
 #[cfg(feature = "trace")]
 mod points;
 #[cfg(feature = "trace")]
@@ -31,13 +33,17 @@ mod transfer;
 #[cfg(feature = "trace")]
 mod triangle;
 
-#[cfg(feature = "trace")]
-pub use bake::bake_texels;
 pub use coverage::Coverage;
+#[cfg(feature = "trace")]
+pub(crate) use finish::Finish;
 #[cfg(feature = "trace")]
 pub use options::TexelOptions;
 #[cfg(feature = "trace")]
+pub(crate) use plan::{AtlasPlan, LaidOut};
+#[cfg(feature = "trace")]
 pub use report::TexelReport;
+#[cfg(feature = "trace")]
+pub(crate) use trace::{TexelScratch, TexelTracer};
 pub use transfer::TexelTransfer;
 
 #[cfg(all(test, feature = "trace"))]

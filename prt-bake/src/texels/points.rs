@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use super::layout::Layout;
+use super::plan::LaidOut;
 use super::raster::{NO_FACE, ON_FACE};
 use super::triangle::{Nearest, beyond, nearest};
 use crate::Scene;
@@ -27,16 +28,17 @@ pub(super) struct Points {
 
 impl Points {
     /// - `neighbors`: of each face, across the edge opposite to each corner; see [`smooth_neighbors`](super::edges::smooth_neighbors)
-    /// - `texels`: each with its face
+    /// - `numbers`: among the texels that are baked
     pub(super) fn new(
-        layout: &Layout,
+        laid_out: &LaidOut,
         scene: &Scene,
         neighbors: &[[u32; 3]],
-        texels: impl Iterator<Item = (usize, u32)>,
+        numbers: impl IntoIterator<Item = usize>,
     ) -> Self {
+        let LaidOut { layout, raster, texels, .. } = laid_out;
         let mut points = Self::default();
-        for (texel, face) in texels {
-            let (face, weights) = place(layout, neighbors, texel, face as usize);
+        for texel in numbers.into_iter().map(|number| texels[number] as usize) {
+            let (face, weights) = place(layout, neighbors, texel, raster.faces[texel] as usize);
             let normal = normal(layout, face, weights);
             points.origins.push(origin(layout, scene, face, weights, normal));
             points.normals.push(normal.as_vec3().to_array());

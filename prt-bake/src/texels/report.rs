@@ -1,10 +1,9 @@
-//! What a bake of texels found and did.
-
-use std::time::Duration;
+//! What a bake of texels found.
 
 use crate::BakeReport;
 
-/// What a bake of texels found and did.
+/// What an atlas holds. What its bake did is in the [`BakeReport`] that this is part of: there, vertices are the texels that a point of the
+/// surface is baked for, row after row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TexelReport {
     /// Texels whose centre lies on a face.
@@ -17,8 +16,6 @@ pub struct TexelReport {
     pub texels_empty: usize,
     /// Texels whose centre lies in several faces: charts overlap there, and the face with the lowest number is baked.
     pub texels_overlapping: usize,
-    /// Texels that lie inside of solids: those that are not [valid](crate::VertexStats::is_valid).
-    pub texels_invalid: usize,
     /// Faces that have no area on the atlas. They get no texel.
     pub faces_degenerate: usize,
     /// Faces that leave 0 to 1, so that the atlas wraps round.
@@ -33,18 +30,6 @@ pub struct TexelReport {
     pub seam_error: f64,
     /// Largest difference of the two, relative to the root mean square length of the vectors there.
     pub seam_max: f64,
-    /// Rays traced from texels, for shadows and for interreflection.
-    pub rays_traced: u64,
-    /// Share of the rays towards the light that met something.
-    pub occluded_share: f64,
-    /// Estimated relative root-mean-square error of the shadowed transfer vectors; see [`Metadata::error`](crate::Metadata::error).
-    pub error: Option<f64>,
-    /// Time to lay out the faces and build the tree and the set of directions.
-    pub build: Duration,
-    /// Time to trace and sum, the vertices aside.
-    pub trace: Duration,
-    /// Threads used.
-    pub threads: usize,
-    /// The bake of the vertices that light is reflected from, if there are bounces.
-    pub vertices: Option<BakeReport>,
+    /// The bake of the vertices that light is reflected from, if there are bounces and it was not done elsewhere.
+    pub vertices: Option<Box<BakeReport>>,
 }

@@ -22,23 +22,30 @@ pub(super) struct SeamCheck {
     pub(super) max: f64,
 }
 
-/// Compares bilinear lookups at matching points of both sides of every smooth cut, about one a texel.
-pub(super) fn check(atlas: &TexelTransfer, layout: &Layout) -> SeamCheck {
-    let mut sums = Sums::default();
-    for sides in edges(layout).values() {
-        let [first, second] = sides.as_slice() else { continue };
-        if is_cut(layout, first, second) && is_smooth(layout, first, second) {
-            sums.edges += 1;
-            compare(atlas, layout, [first, second], &mut sums);
-        }
-    }
+/// A smooth edge that lies at two places of the atlas: from where to where on each of its sides.
+pub(super) type Cut = [[DVec2; 2]; 2];
+
+/// The smooth edges that lie at two places.
+pub(super) fn cuts(layout: &Layout) -> Vec<Cut> {
+    let cut = |sides: &Vec<Side>| {
+        let [first, second] = sides.as_slice() else { return None };
+        let is_compared = is_cut(layout, first, second) && is_smooth(layout, first, second);
+        is_compared.then(|| [first, second].map(|side| side.vertices.map(|vertex| layout.place(vertex))))
+    };
+    edges(layout).values().filter_map(cut).collect()
+}
+
+/// Compares bilinear lookups at matching points of both sides of every cut, about one a texel.
+pub(super) fn check(atlas: &TexelTransfer, cuts: &[Cut]) -> SeamCheck {
+    let mut sums = Sums { edges: cuts.len(), ..Sums::default() };
+    cuts.iter().for_each(|cut| compare(atlas, cut, &mut sums));
     sums.finish()
 }
 
 fn is_cut(layout: &Layout, first: &Side, second: &Side) -> bool {
     let size = layout.grid.size();
     [0, 1].iter().any(|&end| {
-        let [a, b] = [first, second].map(|side| layout.grid.place(layout.uv(side.vertices[end])));
+        let [a, b] = [first, second].map(|side| layout.place(side.vertices[end]));
         let mut apart = (a - b).abs();
         for axis in (0..2).filter(|&axis| layout.grid.wraps[axis]) {
             apart[axis] -= size[axis] * (apart[axis] / size[axis]).round();
@@ -68,8 +75,7 @@ impl Sums {
     }
 }
 
-fn compare(atlas: &TexelTransfer, layout: &Layout, sides: [&Side; 2], sums: &mut Sums) {
-    let places = sides.map(|side| side.vertices.map(|vertex| layout.grid.place(layout.uv(vertex))));
+fn compare(atlas: &TexelTransfer, places: &Cut, sums: &mut Sums) {
     let longest = places.map(|[from, to]| from.distance(to)).into_iter().fold(0.0, f64::max);
     let count = (longest.ceil() as usize).clamp(1, MAX_SAMPLES);
     for k in 0..count {

@@ -4,17 +4,19 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use super::scenes::{groove, plates, roofed_square, square, sunken_box, torus};
 use super::{bake, mesh, options, relative_difference, texels, unshadowed};
 use crate::{
-    BakeOptions, Coverage, Error, InsidePolicy, Pass, Progress, TexelOptions, TransferVectors, bake_diffuse,
+    BakeOptions, BakeReport, Coverage, Error, InsidePolicy, Pass, Progress, TexelOptions, TransferVectors, bake_diffuse,
     bake_texels,
 };
 
 #[test]
 fn an_open_plane_is_exact() {
     for n in [1, 2, 6, 32] {
-        let (atlas, report) = bake(&mesh(square(3, 0.0, true, |st| st)), &options(n), &texels(7, 5));
+        let plane = mesh(square(3, 0.0, true, |st| st));
+        let (atlas, report) = bake_texels(&plane, &options(n), &texels(7, 5), &()).unwrap();
         assert_eq!(atlas.transfer, TransferVectors::unshadowed(options(n).order, &[[0.0, 0.0, 1.0]; 35]), "order {n}");
         assert_eq!((report.occluded_share, report.error), (0.0, Some(0.0)));
-        assert_eq!((report.texels_inside, report.seam_edges), (35, 0));
+        let found = report.texels.unwrap();
+        assert_eq!((found.texels_inside, found.seam_edges), (35, 0));
     }
 }
 
@@ -27,7 +29,8 @@ fn a_texel_at_a_vertex_has_its_transfer() {
     for bounces in [0, 1, 3] {
         let options = BakeOptions { bounces, ..options(4) };
         let (baked, _) = bake_diffuse(&mesh, &options, &()).unwrap();
-        let (atlas, report) = bake(&mesh, &options, &texels(2 * (cells as usize + 1), cells as usize + 1));
+        let size = texels(2 * (cells as usize + 1), cells as usize + 1);
+        let (atlas, report) = bake_texels(&mesh, &options, &size, &()).unwrap();
         for (vertex, &[u, v]) in mesh.uvs().unwrap().iter().enumerate() {
             let texel = (v * atlas.height as f32) as usize * atlas.width + (u * atlas.width as f32) as usize;
             assert_eq!(atlas.coverage[texel], Coverage::Inside);
@@ -35,8 +38,9 @@ fn a_texel_at_a_vertex_has_its_transfer() {
             // One ray of 512 straight up weighs 4e-3.
             assert!(difference < 4e-3, "{bounces} bounces, vertex {vertex}: {difference}");
         }
-        assert_eq!(report.vertices.map(|vertices| vertices.bounce_energy.len()), bounces.checked_sub(1));
         assert!(report.occluded_share > 0.2);
+        let gathered = report.texels.unwrap().vertices;
+        assert_eq!(gathered.map(|vertices| vertices.bounce_energy.len()), bounces.checked_sub(1));
     }
 }
 
@@ -60,15 +64,18 @@ fn colour_is_carried_only_where_light_is_reflected_by_it() {
 #[test]
 fn the_same_bytes_for_any_number_of_threads() {
     let mesh = torus([12, 8], 0.0);
-    let bake = |threads| bake(&mesh, &BakeOptions { bounces: 2, threads, ..options(3) }, &texels(24, 16));
+    let bake = |threads| {
+        let options = BakeOptions { bounces: 2, threads, ..options(3) };
+        bake_texels(&mesh, &options, &texels(24, 16), &()).unwrap()
+    };
     let (reference, report) = bake(Some(1));
     for threads in [Some(2), Some(5), None] {
         let (atlas, again) = bake(threads);
         assert_eq!(atlas, reference);
-        assert_eq!(
-            (again.rays_traced, again.error, again.seam_error),
-            (report.rays_traced, report.error, report.seam_error)
-        );
+        let numbers = |report: &BakeReport| {
+            (report.rays_traced, report.error, report.texels.as_ref().map(|found| found.seam_error))
+        };
+        assert_eq!(numbers(&again), numbers(&report));
     }
 }
 
@@ -122,7 +129,7 @@ fn no_light_leaks_through_a_fold() {
     for degrees in [10.0_f64, 30.0, 60.0, 90.0, 150.0] {
         let angle = degrees.to_radians();
         let options = BakeOptions { rays_per_vertex: 2048, ..options(1) };
-        let (atlas, report) = bake(&groove(angle), &options, &texels(8, 10));
+        let (atlas, report) = bake_texels(&groove(angle), &options, &texels(8, 10), &()).unwrap();
         let expected = 0.5 * (1.0 - angle.cos());
         for row in [1, 2, 7, 8] {
             // The centre of column 1 lies half a texel beyond the edge.
@@ -131,7 +138,7 @@ fn no_light_leaks_through_a_fold() {
             // The directions nearest to the wall are 0.04 apart.
             assert!((open - expected).abs() < 0.01, "{degrees}° row {row}: {open} {expected}");
         }
-        assert_eq!(report.texels_invalid, 0);
+        assert_eq!(report.invalid_vertices, 0);
     }
 }
 
@@ -140,7 +147,7 @@ fn texels_inside_of_solids_are_replaced_as_asked() {
     let mesh = sunken_box();
     let size = 48;
     let texels = TexelOptions { gutter: 2, ..texels(size, size) };
-    let bake = |inside| bake(&mesh, &BakeOptions { inside, ..options(2) }, &texels);
+    let bake = |inside| bake_texels(&mesh, &BakeOptions { inside, ..options(2) }, &texels, &()).unwrap();
     let (kept, report) = bake(InsidePolicy::Keep);
     // The floor is 48 × 24 texels, and 0.32 of each side is below the box.
     let hidden = |texel: &usize| {
@@ -149,7 +156,7 @@ fn texels_inside_of_solids_are_replaced_as_asked() {
     };
     let below_box: Vec<usize> = (0..size * size).filter(hidden).collect();
     // The walls of the box are seen from outside on both sides of the floor.
-    assert_eq!(report.texels_invalid, below_box.len());
+    assert_eq!(report.invalid_vertices, below_box.len());
     assert!(below_box.iter().all(|&texel| kept.transfer.vector(texel, 0)[0].abs() < 1e-3));
     let (black, _) = bake(InsidePolicy::Black);
     assert!(below_box.iter().all(|&texel| black.transfer.vector(texel, 0) == [0.0; 4]));
@@ -165,7 +172,7 @@ fn texels_inside_of_solids_are_replaced_as_asked() {
 
 #[test]
 fn unshadowed_texels_trace_no_ray() {
-    let (atlas, report) = bake(&plates(2), &unshadowed(3), &texels(6, 3));
+    let (atlas, report) = bake_texels(&plates(2), &unshadowed(3), &texels(6, 3), &()).unwrap();
     assert_eq!((report.rays_traced, report.error, atlas.metadata.rays), (0, None, 0));
     assert_eq!(atlas.transfer.vector(0, 0), TransferVectors::unshadowed(options(3).order, &[[0.0, 0.0, 1.0]]).values);
 }
@@ -211,12 +218,12 @@ impl Progress for Counter {
 
 #[test]
 fn progress_tells_every_texel_and_every_ray() {
-    // More than a block of texels.
     let counter = Counter::default();
     let few = BakeOptions { rays_per_vertex: 64, ..options(2) };
     let (_, report) = bake_texels(&plates(2), &few, &texels(200, 100), &counter).unwrap();
-    assert_eq!(report.texels_inside + report.texels_border, counter.announced.into_inner());
-    assert_eq!(report.texels_inside + report.texels_border, counter.done.into_inner());
+    let found = report.texels.unwrap();
+    assert_eq!(found.texels_inside + found.texels_border, counter.announced.into_inner());
+    assert_eq!(found.texels_inside + found.texels_border, counter.done.into_inner());
     assert_eq!(report.rays_traced, counter.rays.into_inner());
 }
 

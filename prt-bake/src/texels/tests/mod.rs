@@ -31,8 +31,10 @@ fn texels(width: usize, height: usize) -> TexelOptions {
     TexelOptions { width, height, ..TexelOptions::default() }
 }
 
+/// The atlas, and what is said of it.
 fn bake(mesh: &Mesh, options: &BakeOptions, texels: &TexelOptions) -> (TexelTransfer, TexelReport) {
-    bake_texels(mesh, options, texels, &()).unwrap()
+    let (atlas, report) = bake_texels(mesh, options, texels, &()).unwrap();
+    (atlas, report.texels.unwrap())
 }
 
 /// Root mean square difference, relative to the length of the second.
