@@ -49,7 +49,7 @@ mod zonal;
 #[cfg(feature = "trace")]
 pub use diffuse::{
     BakeReport, LevelCount, OrderReport, Savings, TimePlan, VertexSample, VertexStats, bake_diffuse, bake_vertices,
-    error_for_time, ray_origins, recommend_order,
+    error_for_time, error_for_time_of_texels, ray_origins, recommend_order,
 };
 pub use environment::Environment;
 pub use error::Error;

@@ -95,6 +95,12 @@ impl BakeOptions {
         Self { rays_per_vertex: 512, order: order(5), ..Self::default() }
     }
 
+    /// Channels of the transfer of a mesh: colour is carried only if it is reflected.
+    #[cfg(feature = "trace")]
+    pub(crate) fn channel_count(&self, mesh: &crate::Mesh) -> usize {
+        if self.bounces > 0 { mesh.channel_count() } else { 1 }
+    }
+
     #[cfg(feature = "trace")]
     pub(crate) fn validate(&self) -> Result<(), Error> {
         let fail = |message: String| Err(Error::Option(message));

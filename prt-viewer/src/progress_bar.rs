@@ -1,7 +1,7 @@
 //! The progress of a bake: a bar on the standard error, with rate and time left.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,6 +15,8 @@ use crate::{cancel, output};
 pub(crate) struct BakeBar {
     bar: ProgressBar,
     rays: AtomicU64,
+    /// Whether texels are counted, not vertices.
+    counts_texels: AtomicBool,
     clock: Mutex<Clock>,
 }
 
@@ -32,7 +34,7 @@ impl BakeBar {
     pub(crate) fn new() -> Self {
         let now = Instant::now();
         let clock = Mutex::new(Clock { start: now, line: now });
-        Self { bar: ProgressBar::new(0), rays: AtomicU64::new(0), clock }
+        Self { bar: ProgressBar::new(0), rays: AtomicU64::new(0), counts_texels: AtomicBool::new(false), clock }
     }
 
     pub(crate) fn finish(&self) {
@@ -63,31 +65,33 @@ impl BakeBar {
     fn line(&self) -> String {
         let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0).max(1));
         let percent = 100 * done / all;
-        let (vertices, left) = (output::count(all), indicatif::HumanDuration(self.bar.eta()));
-        format!("{} {percent} % of {vertices} vertices, {:.1} Mrays/s, {left} left", self.bar.prefix(), self.rate())
+        let (all, what) = (output::count(all), unit(self.counts_texels.load(Ordering::Relaxed)));
+        let left = indicatif::HumanDuration(self.bar.eta());
+        format!("{} {percent} % of {all} {what}, {:.1} Mrays/s, {left} left", self.bar.prefix(), self.rate())
     }
 }
 
 impl Progress for BakeBar {
-    fn start(&self, pass: Pass, vertex_count: usize) {
+    fn start(&self, pass: Pass, count: usize) {
         let name = match pass {
-            Pass::Direct => "shadows".to_owned(),
+            Pass::Direct | Pass::Texels => "shadows".to_owned(),
             Pass::Bounce(number) => format!("bounce {number}"),
         };
+        self.counts_texels.store(pass == Pass::Texels, Ordering::Relaxed);
         self.rays.store(0, Ordering::Relaxed);
         if let Ok(mut clock) = self.clock.lock() {
             clock.start = Instant::now();
         }
-        self.bar.set_style(style());
+        self.bar.set_style(style(pass == Pass::Texels));
         self.bar.reset();
-        self.bar.set_length(vertex_count as u64);
+        self.bar.set_length(count as u64);
         self.bar.set_prefix(name);
         self.bar.set_message(String::new());
     }
 
-    fn advance(&self, vertices: usize, rays: u64) {
+    fn advance(&self, count: usize, rays: u64) {
         let has_rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays > 0;
-        self.bar.inc(vertices as u64);
+        self.bar.inc(count as u64);
         if self.bar.is_hidden() {
             self.log();
         } else if has_rays {
@@ -107,7 +111,7 @@ pub(crate) struct FitBar(ProgressBar);
 impl FitBar {
     pub(crate) fn new(points: usize) -> Self {
         let bar = ProgressBar::new(points as u64).with_prefix("lobes");
-        bar.set_style(style());
+        bar.set_style(style(false));
         Self(bar)
     }
 
@@ -120,9 +124,17 @@ impl FitBar {
     }
 }
 
-fn style() -> ProgressStyle {
-    let template = "{prefix:>9} {bar:32} {percent:>3}% of {human_len} vertices{msg}, {eta} left";
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+fn unit(counts_texels: bool) -> &'static str {
+    if counts_texels { "texels" } else { "vertices" }
+}
+
+fn style(counts_texels: bool) -> ProgressStyle {
+    ProgressStyle::with_template(&template(counts_texels)).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+fn template(counts_texels: bool) -> String {
+    let what = unit(counts_texels);
+    format!("{{prefix:>9}} {{bar:32}} {{percent:>3}}% of {{human_len}} {what}{{msg}}, {{eta}} left")
 }
 
 #[cfg(test)]
@@ -130,11 +142,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_template_is_valid() {
-        assert!(
-            ProgressStyle::with_template("{prefix:>9} {bar:32} {percent:>3}% of {human_len} vertices{msg}, {eta} left")
-                .is_ok()
-        );
+    fn the_templates_are_valid() {
+        assert!([false, true].map(template).iter().all(|template| ProgressStyle::with_template(template).is_ok()));
     }
 
     #[test]
@@ -147,5 +156,8 @@ mod tests {
         bar.start(Pass::Bounce(1), 10);
         bar.advance(10, 0);
         assert_eq!(bar.rate(), 0.0);
+        bar.start(Pass::Texels, 20);
+        bar.advance(1, 10);
+        assert!(bar.line().starts_with("shadows 5 % of 20 texels, "), "{}", bar.line());
     }
 }

@@ -70,26 +70,27 @@ fn unshadowed_transfer_traces_nothing() {
 #[test]
 fn texels_of_a_mesh_are_an_image_with_named_channels() {
     let place = Place::new();
-    // A square with a smaller one over it; each has its half of the atlas, and v runs up.
-    place.write(
-        "roof.obj",
-        "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -0.5 0.3 -0.5\nv 0.5 0.3 -0.5\nv 0.5 0.3 0.5\nv -0.5 0.3 0.5\n\
-         vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 1 0\nvt 1 1\n\
-         f 4/1 3/2 2/3\nf 4/1 2/3 1/4\nf 8/2 7/5 6/6\nf 8/2 6/6 5/3\n",
-    );
+    place.write_roof();
     let report = place.json(&["bake", "roof.obj", "--texels", "32", "--rays", "256", "--order", "3"]);
     assert_eq!((number(&report, "/width"), number(&report, "/height")), (32.0, 32.0));
     assert_eq!((number(&report, "/texels_inside"), number(&report, "/texels_overlapping")), (1024.0, 0.0));
     let atlas = prt_bake::TexelTransfer::read_exr(&place.path("roof.exr")).unwrap();
     assert!(atlas.v_up && atlas.metadata.source.is_some());
+    let info = place.json(&["info", "roof.exr"]);
+    assert_eq!(info["metadata"]["kind"], "texture-transfer");
+    assert_eq!(info["tensors"][1]["name"], "transfer.0");
     let dc = |row: usize, column: usize| atlas.transfer.vector(32 * row + column, 0)[0];
     // Below the roof it is dark, beside it light; the roof itself sees the whole sky.
     assert!(dc(16, 8) < 0.5 * dc(1, 1), "{} {}", dc(16, 8), dc(1, 1));
     assert!((dc(16, 24) - dc(2, 30)).abs() < 1e-6);
+    let adaptive = place.json(&["bake", "roof.obj", "--texels", "32", "--error", "0.01"]);
+    assert!(number(&adaptive, "/error") < 0.01 && number(&adaptive, "/savings/open_vertices") >= 512.0, "{adaptive}");
+    let timed = place.json(&["bake", "roof.obj", "--texels", "64", "--time", "0.5s", "--bounces", "1"]);
+    assert!(number(&timed, "/target_error") > 0.0 && number(&timed, "/expected_seconds") > 0.0, "{timed}");
+    assert!(number(&timed, "/error") < 0.1, "{timed}");
     place.write("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     place.refuses(&["bake", "plain.obj", "--texels", "8"], 1, &["plain.obj", "no texture coordinates"]);
     place.refuses(&["bake", "roof.obj", "--texels", "8", "-o", "roof.prt"], 1, &["roof.prt", ".exr"]);
-    place.refuses(&["bake", "roof.obj", "--texels", "8", "--resume"], 2, &["--resume"]);
     place.refuses(&["bake", "roof.obj", "plain.obj", "--texels", "8"], 2, &["one mesh at a time"]);
     place.refuses(&["bake", "roof.obj", "--gutter", "2"], 2, &["--texels"]);
 }

@@ -15,19 +15,23 @@ use program::{Place, number};
 /// Enough work to be killed in: about two seconds.
 const LONG: [&str; 10] = ["bake", "scene.obj", "--rays", "65536", "--bounces", "2", "--order", "5", "--threads", "1"];
 
+/// The same for the texels of an atlas; most of it is theirs.
+const LONG_ATLAS: [&str; 10] =
+    ["bake", "roof.obj", "--texels", "64x48", "--rays", "8192", "--bounces", "3", "--threads", "1"];
+
 fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 
-/// Bytes of the journal beside the output.
-fn journal_bytes(place: &Place) -> u64 {
-    fs::metadata(place.path("scene.prt.journal")).map_or(0, |metadata| metadata.len())
+/// Bytes of the journal beside an output.
+fn journal_bytes(place: &Place, output: &str) -> u64 {
+    fs::metadata(place.path(&format!("{output}.journal"))).map_or(0, |metadata| metadata.len())
 }
 
 /// Waits until the journal has grown, or the program has ended.
-fn wait_for_growth(place: &Place, child: &mut Child, from: u64) {
+fn wait_for_growth(place: &Place, output: &str, child: &mut Child, from: u64) {
     let start = Instant::now();
-    while journal_bytes(place) <= from && child.try_wait().unwrap().is_none() {
+    while journal_bytes(place, output) <= from && child.try_wait().unwrap().is_none() {
         assert!(start.elapsed() < Duration::from_secs(60), "nothing is written");
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -37,16 +41,30 @@ fn wait_for_growth(place: &Place, child: &mut Child, from: u64) {
 fn killing_it_again_and_again_loses_nothing_and_ends_with_the_same_bytes() {
     let place = Place::new();
     place.write_scene();
-    assert_eq!(place.run(&LONG).status, Some(0));
-    let expected = fs::read(place.path("scene.prt")).unwrap();
-    fs::remove_file(place.path("scene.prt")).unwrap();
+    kill_again_and_again(&place, &LONG, "scene.prt");
+    assert_eq!(place.files(), ["scene.obj", "scene.prt"]);
+}
 
-    let resume = [LONG.as_slice(), &["--resume"]].concat();
+#[test]
+fn killing_a_bake_of_texels_loses_nothing_either() {
+    let place = Place::new();
+    place.write_roof();
+    kill_again_and_again(&place, &LONG_ATLAS, "roof.exr");
+    assert_eq!(place.files(), ["roof.exr", "roof.obj"]);
+}
+
+/// Kills a bake and resumes it, until it comes to its end.
+fn kill_again_and_again(place: &Place, bake: &[&str], output: &str) {
+    assert_eq!(place.run(bake).status, Some(0));
+    let expected = fs::read(place.path(output)).unwrap();
+    fs::remove_file(place.path(output)).unwrap();
+
+    let resume = [bake, &["--resume"]].concat();
     let (mut kills, mut grown) = (0, 0);
     loop {
         let mut child = place.spawn(&resume);
         // Each time a little later after something was written, so that it is killed in all that it does.
-        wait_for_growth(&place, &mut child, grown);
+        wait_for_growth(place, output, &mut child, grown);
         std::thread::sleep(Duration::from_millis(7 * kills % 30));
         if let Some(status) = child.try_wait().unwrap() {
             assert!(status.success());
@@ -59,17 +77,16 @@ fn killing_it_again_and_again_loses_nothing_and_ends_with_the_same_bytes() {
         }
         assert_eq!(status.signal(), Some(9));
         kills += 1;
-        match fs::read(place.path("scene.prt")) {
+        match fs::read(place.path(output)) {
             Ok(bytes) => assert!(bytes == expected, "no half file under its name"),
-            Err(_) => assert!(journal_bytes(&place) >= grown, "what was written stays"),
+            Err(_) => assert!(journal_bytes(place, output) >= grown, "what was written stays"),
         }
-        grown = journal_bytes(&place);
+        grown = journal_bytes(place, output);
         assert!(kills < 500, "it gets on");
     }
     eprintln!("killed {kills} times");
     assert!(kills >= 5, "killed {kills} times only");
-    assert_eq!(fs::read(place.path("scene.prt")).unwrap(), expected);
-    assert_eq!(place.files(), ["scene.obj", "scene.prt"]);
+    assert_eq!(fs::read(place.path(output)).unwrap(), expected);
 }
 
 #[test]
@@ -107,7 +124,7 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let place = Place::new();
     place.write_scene();
     let mut child = place.spawn(&LONG);
-    wait_for_growth(&place, &mut child, 20_000);
+    wait_for_growth(&place, "scene.prt", &mut child, 20_000);
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
@@ -167,10 +184,47 @@ fn parts_from_several_runs_merge_to_the_same_bytes() {
     assert_eq!(place.files(), ["scene.1-of-3.part", "scene.2-of-3.part", "scene.3-of-3.part"]);
     place.refuses(&[&["merge", "-o", "scene.prt"], &parts[..2]].concat(), 1, &["of 3 parts", "missing: 1"]);
     place.refuses(&["merge", "-o", parts[0], parts[0]], 1, &["it is the file to read"]);
-    let merged = place.json(&[&["merge", "-o", "scene.prt"], parts.as_slice()].concat());
+    place.refuses(&[&["merge", "-o", "scene.exr"], parts.as_slice()].concat(), 1, &["scene.exr", ".prt"]);
+    let merged = place.json(&[&["merge", "--report", "-o", "scene.prt"], parts.as_slice()].concat());
+    let page = fs::read_to_string(place.path("scene.report.html")).unwrap();
+    assert!(page.contains("<h1>scene.obj</h1>") && page.contains("Energy of each bounce"), "{page}");
     assert_eq!(fs::read(place.path("scene.prt")).unwrap(), expected);
     assert_eq!(number(&merged, "/rays_traced"), number(&whole, "/rays_traced"));
     assert_eq!(number(&merged, "/output_bytes"), expected.len() as f64);
+}
+
+#[test]
+fn an_atlas_is_stopped_resumed_shared_out_and_updated_as_vertices_are() {
+    let place = Place::new();
+    place.write_roof();
+    let mut child = place.spawn(&LONG_ATLAS);
+    wait_for_growth(&place, "roof.exr", &mut child, 60_000);
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("roof.exr.journal: --resume goes on from there"));
+    let info = place.json(&["info", "roof.exr.journal"]);
+    let done = number(&info, "/texels_done");
+    assert!(done > 0.0 && done < number(&info, "/texels") && info["settings"]["width"] == "64", "{info}");
+    place.refuses(&LONG_ATLAS, 1, &["roof.exr.journal holds an unfinished bake", "--resume", "--restart"]);
+    place.refuses(&["bake", "roof.obj", "--texels", "64", "--resume"], 1, &["is of another bake"]);
+    let resume = [LONG_ATLAS.as_slice(), &["--resume"]].concat();
+    assert!(number(&place.json(&resume), "/texels_resumed") >= done);
+    let expected = fs::read(place.path("roof.exr")).unwrap();
+    assert_eq!(place.json(&[LONG_ATLAS.as_slice(), &["--update"]].concat())["up_to_date"], true);
+    fs::remove_file(place.path("roof.exr")).unwrap();
+
+    for part in ["1/2", "2/2"] {
+        let report = place.json(&[LONG_ATLAS.as_slice(), &["--part", part]].concat());
+        assert_eq!((number(&report, "/part/1"), number(&report, "/texels_inside")), (2.0, 0.0));
+    }
+    fs::remove_file(place.path("roof.obj")).unwrap();
+    let parts = ["roof.1-of-2.part", "roof.2-of-2.part"];
+    assert_eq!(place.files(), parts);
+    place.refuses(&[&["merge", "-o", "roof.prt"], parts.as_slice()].concat(), 1, &["roof.prt", ".exr"]);
+    let merged = place.json(&[&["merge", "-o", "roof.exr"], parts.as_slice()].concat());
+    assert_eq!(fs::read(place.path("roof.exr")).unwrap(), expected);
+    assert_eq!((number(&merged, "/texels"), number(&merged, "/bounces")), (number(&info, "/texels"), 3.0));
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! The target error that a bake reaches in a given time.
 
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use super::direct::Scratch;
-use super::pilot::Pilot;
+use super::pilot::{Pilot, spread};
 use super::{DirectPass, HitRecord, Ladder, Reflection, ValidityTest};
 use crate::parallel::Threads;
-use crate::{BakeOptions, Error, Mesh, Progress, TransferVectors};
+use crate::texels::LaidOut;
+use crate::{BakeOptions, Error, Mesh, Progress, TexelOptions, TransferVectors};
 
 /// What a bake can reach in a given time.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,12 +20,12 @@ pub struct TimePlan {
     pub expected: Duration,
     /// Time that the pilot took. It counts towards the budget.
     pub pilot: Duration,
-    /// Vertices that the pilot looked at.
+    /// Vertices, and texels, that the pilot looked at.
     pub vertices: usize,
 }
 
-/// The pilot looks at one vertex out of so many: it then takes 4 % of 20 s, 6 to 9 % of 5 s, 11 % of 2 s ...
-const VERTICES_PER_SAMPLE: usize = 64;
+/// The pilot looks at one vertex, or texel, out of so many: it then takes 4 % of 20 s, 6 to 9 % of 5 s, 11 % of 2 s ...
+const POINTS_PER_SAMPLE: usize = 64;
 
 /// ... but at so many at least: single vertices differ by factors of ten in what they take ...
 const FEWEST_SAMPLES: usize = 96;
@@ -55,17 +57,62 @@ pub fn error_for_time(
     budget: Duration,
     progress: &dyn Progress,
 ) -> Result<TimePlan, Error> {
+    plan(options, budget, progress, || {
+        let count = sample_count(mesh.positions().len());
+        let pilot = Pilot::of_vertices(mesh, &spread(mesh.positions().len(), count));
+        Ok((pilot, vec![Share { points: 0..count, all: mesh.positions().len(), gathers: options.bounces }]))
+    })
+}
+
+/// The same for a bake of texels, and of the vertices that they gather from.
+///
+/// # Errors
+/// As [`error_for_time`] and [`bake_texels`](crate::bake_texels).
+pub fn error_for_time_of_texels(
+    mesh: &Mesh,
+    options: &BakeOptions,
+    texels: &TexelOptions,
+    budget: Duration,
+    progress: &dyn Progress,
+) -> Result<TimePlan, Error> {
+    plan(options, budget, progress, || {
+        let laid_out = LaidOut::new(mesh, options, texels, progress)?;
+        let gathered = if options.bounces > 0 { mesh.positions().len() } else { 0 };
+        let (vertices, all) = (sample_count(gathered), laid_out.texels.len());
+        let mut pilot = Pilot::of_vertices(mesh, &spread(gathered, vertices));
+        laid_out.add_points(&pilot.scene, spread(all, sample_count(all)), &mut pilot.normals, &mut pilot.origins);
+        let shares = vec![
+            Share { points: 0..vertices, all: gathered, gathers: options.bounces.saturating_sub(1) },
+            Share { points: vertices..pilot.normals.len(), all, gathers: options.bounces.min(1) },
+        ];
+        Ok((pilot, shares))
+    })
+}
+
+/// How many of some points are measured.
+fn sample_count(all: usize) -> usize {
+    (all / POINTS_PER_SAMPLE).clamp(FEWEST_SAMPLES, MOST_SAMPLES).min(all)
+}
+
+/// - `scene`: makes what is measured
+fn plan<'a>(
+    options: &BakeOptions,
+    budget: Duration,
+    progress: &dyn Progress,
+    scene: impl FnOnce() -> Result<(Pilot<'a>, Vec<Share>), Error>,
+) -> Result<TimePlan, Error> {
     options.validate()?;
     if !options.shadowed {
         return Err(Error::Option("a time to bake in, without shadows: there is nothing to trace".to_owned()));
     }
     let start = Instant::now();
-    let clock = Clock::new(mesh, options)?;
+    let (pilot, shares) = scene()?;
+    let clock = Clock::new(pilot, shares, options, start.elapsed())?;
     let mut plan = TimePlan {
         target_error: 1.0,
         expected: clock.build,
         pilot: Duration::ZERO,
-        vertices: clock.pilot.vertices.len(),
+        vertices: clock.pilot.normals.len(),
     };
     let mut ladder = clock.ladder(options);
     let mut before: Option<Tried> = None;
@@ -103,27 +150,35 @@ impl Tried {
     }
 }
 
-/// Measures what vertices take.
+/// Points of one kind, vertices or texels.
+#[derive(Debug)]
+struct Share {
+    /// Those of the pilot.
+    points: Range<usize>,
+    /// How many there are to bake.
+    all: usize,
+    /// How often each gathers reflected light.
+    gathers: usize,
+}
+
+/// Measures what points take.
 struct Clock<'a> {
     pilot: Pilot<'a>,
+    shares: Vec<Share>,
     threads: Threads,
     reflection: Option<Reflection<'a>>,
-    bounces: usize,
     /// Time to build what does not depend on the error.
     build: Duration,
 }
 
 impl<'a> Clock<'a> {
-    fn new(mesh: &'a Mesh, options: &BakeOptions) -> Result<Self, Error> {
+    fn new(pilot: Pilot<'a>, shares: Vec<Share>, options: &BakeOptions, build: Duration) -> Result<Self, Error> {
         let threads = Threads::new(options.threads)?;
-        let start = Instant::now();
-        let samples = mesh.positions().len() / VERTICES_PER_SAMPLE;
-        let pilot = Pilot::new(mesh, samples.clamp(FEWEST_SAMPLES, MOST_SAMPLES));
-        let build = start.elapsed();
+        let mesh = pilot.mesh;
         let arriving =
             || TransferVectors::unshadowed(options.order, mesh.normals()).with_channels(mesh.channel_count());
         let reflection = (options.bounces > 0).then(|| Reflection::new(mesh.triangles(), arriving()));
-        Ok(Self { pilot, threads, reflection, bounces: options.bounces, build })
+        Ok(Self { pilot, shares, threads, reflection, build })
     }
 
     fn ladder(&self, options: &BakeOptions) -> Ladder {
@@ -140,31 +195,43 @@ impl<'a> Clock<'a> {
         ladder.aim(&BakeOptions { target_error: Some(error), ..options.clone() });
         let direct = self.pilot.direct(ladder);
         let validity = ValidityTest::new(&self.pilot.scene, self.pilot.mesh);
-        let mut items: Vec<(usize, Duration, bool)> =
-            self.pilot.vertices.iter().map(|&vertex| (vertex, Duration::ZERO, true)).collect();
-        let quiet = Quiet(progress);
-        self.threads.for_each(&mut items, &quiet, Memory::default, |memory, _, (vertex, duration, is_exhausted)| {
-            let start = Instant::now();
-            let (rays, found_all) = self.vertex(&direct, &validity, memory, *vertex);
-            (*duration, *is_exhausted) = (start.elapsed(), found_all);
-            rays
-        })?;
-        let spent: Duration = items.iter().map(|(_, duration, _)| *duration).sum();
-        let vertices = self.pilot.mesh.positions().len() as f64 / items.len() as f64;
-        let seconds = spent.as_secs_f64() * vertices / self.threads.count() as f64 + self.build.as_secs_f64();
-        Ok(Tried { error, seconds, is_exhausted: items.iter().all(|(.., is_exhausted)| *is_exhausted) })
+        let mut seconds = self.build.as_secs_f64();
+        let mut is_exhausted = true;
+        for share in self.shares.iter().filter(|share| !share.points.is_empty()) {
+            let mut items: Vec<(usize, Duration, bool)> =
+                share.points.clone().map(|point| (point, Duration::ZERO, true)).collect();
+            self.threads.for_each(&mut items, &Quiet(progress), Memory::default, |memory, _, item| {
+                let (point, duration, is_exhausted) = item;
+                let start = Instant::now();
+                let (rays, found_all) = self.point(&direct, &validity, memory, *point, share.gathers);
+                (*duration, *is_exhausted) = (start.elapsed(), found_all);
+                rays
+            })?;
+            let spent: Duration = items.iter().map(|(_, duration, _)| *duration).sum();
+            let scale = share.all as f64 / items.len() as f64;
+            seconds += spent.as_secs_f64() * scale / self.threads.count() as f64;
+            is_exhausted &= items.iter().all(|(.., is_exhausted)| *is_exhausted);
+        }
+        Ok(Tried { error, seconds, is_exhausted })
     }
 
-    /// What a bake does with a vertex. Returns the rays, and whether no target error would give it more: a vertex that is open or blocked
+    /// What a bake does with a point. Returns the rays, and whether no target error would give it more: a point that is open or blocked
     /// ends on its first rung, which is the third from the end at most.
-    fn vertex(&self, direct: &DirectPass, validity: &ValidityTest, memory: &mut Memory, vertex: usize) -> (u64, bool) {
+    fn point(
+        &self,
+        direct: &DirectPass,
+        validity: &ValidityTest,
+        memory: &mut Memory,
+        point: usize,
+        gathers: usize,
+    ) -> (u64, bool) {
         memory.row.resize(direct.ladder.order.coeff_count(), 0.0);
-        let mut stats = direct.shadowed_vector(&mut memory.scratch, vertex, &mut memory.row);
-        validity.complete(vertex, direct.origins[vertex], &mut stats);
-        if let Some(reflection) = &self.reflection {
+        let mut stats = direct.shadowed_vector(&mut memory.scratch, point, &mut memory.row);
+        validity.complete(direct.normals[point], direct.origins[point], &mut stats);
+        if let Some(reflection) = self.reflection.as_ref().filter(|_| gathers > 0) {
             memory.hits.clear();
-            stats.rays += direct.nearest_hits(&mut memory.scratch, vertex, &mut memory.hits);
-            (0..self.bounces).for_each(|_| reflection.gather(&memory.hits, &mut memory.gathered));
+            stats.rays += direct.nearest_hits(&mut memory.scratch, point, &mut memory.hits);
+            (0..gathers).for_each(|_| reflection.gather(&memory.hits, &mut memory.gathered));
         }
         let rungs_left = direct.ladder.rungs.len() - 1 - memory.scratch.last;
         (u64::from(stats.rays), rungs_left == 0 || (stats.error == 0.0 && rungs_left == 2))

@@ -24,7 +24,7 @@ use std::time::Duration;
 
 use crate::{BakeOptions, BakedSurface, Error, Geometry, Mesh, Metadata, Progress, TexelReport, TransferVectors};
 pub(crate) use bounce::Reflection;
-pub use budget::{TimePlan, error_for_time};
+pub use budget::{TimePlan, error_for_time, error_for_time_of_texels};
 pub(crate) use direct::{DirectPass, Scratch, add_scaled};
 pub(crate) use hit::HitRecord;
 pub(crate) use inside::InsidePlan;

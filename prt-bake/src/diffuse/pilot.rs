@@ -8,35 +8,34 @@ use super::{DirectPass, Ladder, ray_origins};
 use crate::parallel::Threads;
 use crate::{BakeOptions, Error, Mesh, Scene, TransferVectors, VertexStats};
 
-/// A scene, and vertices that are spread over it.
+/// A scene, and some points of its surface.
 #[derive(Debug)]
 pub(super) struct Pilot<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) scene: Scene,
-    origins: Vec<Vec3>,
-    pub(super) vertices: Vec<usize>,
+    /// Shading normals of the points.
+    pub(super) normals: Vec<[f32; 3]>,
+    /// Where their rays start, in the frame that is traced in.
+    pub(super) origins: Vec<Vec3>,
 }
 
 impl<'a> Pilot<'a> {
-    /// At most `count` vertices.
-    pub(super) fn new(mesh: &'a Mesh, count: usize) -> Self {
-        Self::of(mesh, spread(mesh, count))
-    }
-
-    fn of(mesh: &'a Mesh, vertices: Vec<usize>) -> Self {
+    /// The points are some vertices.
+    pub(super) fn of_vertices(mesh: &'a Mesh, vertices: &[usize]) -> Self {
         let scene = Scene::new(mesh);
         let origins = ray_origins(mesh, &scene);
-        Self { mesh, scene, origins, vertices }
+        let origins = vertices.iter().map(|&vertex| origins[vertex]).collect();
+        let normals = vertices.iter().map(|&vertex| mesh.normals()[vertex]).collect();
+        Self { mesh, scene, normals, origins }
     }
 
     pub(super) fn direct<'b>(&'b self, ladder: &'b Ladder) -> DirectPass<'b> {
-        DirectPass { mesh: self.mesh, scene: &self.scene, ladder, normals: self.mesh.normals(), origins: &self.origins }
+        DirectPass { mesh: self.mesh, scene: &self.scene, ladder, normals: &self.normals, origins: &self.origins }
     }
 }
 
-/// At most `count` vertices, evenly spaced in the order of the mesh, which mostly goes along the surface.
-pub(super) fn spread(mesh: &Mesh, count: usize) -> Vec<usize> {
-    let all = mesh.positions().len();
+/// At most `count` of `all` numbers, evenly spaced: the order of a mesh, or of an atlas, mostly goes along the surface.
+pub(super) fn spread(all: usize, count: usize) -> Vec<usize> {
     let count = count.min(all);
     (0..count).map(|number| (2 * number + 1) * all / (2 * count)).collect()
 }
@@ -70,7 +69,7 @@ pub fn bake_vertices(mesh: &Mesh, options: &BakeOptions, vertices: &[usize]) -> 
         return Ok(VertexSample { transfer, stats: Vec::new(), build: Duration::ZERO, trace: Duration::ZERO });
     }
     let start = Instant::now();
-    let pilot = Pilot::of(mesh, vertices.to_vec());
+    let pilot = Pilot::of_vertices(mesh, vertices);
     let ladder = Ladder::new(options);
     let direct = pilot.direct(&ladder);
     let build = start.elapsed();
@@ -82,7 +81,7 @@ pub fn bake_vertices(mesh: &Mesh, options: &BakeOptions, vertices: &[usize]) -> 
         || direct.scratch(),
         |scratch, number, (row, stats, time)| {
             let start = Instant::now();
-            *stats = direct.shadowed_vector(scratch, vertices[number], row);
+            *stats = direct.shadowed_vector(scratch, number, row);
             *time = start.elapsed();
             u64::from(stats.rays)
         },

@@ -64,7 +64,7 @@ pub fn recommend_order(
     let order = Order::new(OrderReport::PILOT_ORDER).expect("16 is an order");
     let light = light.map(|light| padded(light, order)).transpose()?;
     let pilot_options = BakeOptions { order, rays_per_vertex: RAYS, target_error: None, ..options.clone() };
-    let transfer = bake_vertices(mesh, &pilot_options, &spread(mesh, SAMPLES))?.transfer;
+    let transfer = bake_vertices(mesh, &pilot_options, &spread(mesh.positions().len(), SAMPLES))?.transfer;
     let rows = || transfer.values.chunks_exact(order.coeff_count());
     let bands = energy(order, rows());
     let (radiance, errors) = match &light {

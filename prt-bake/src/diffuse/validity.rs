@@ -30,13 +30,10 @@ impl<'a> ValidityTest<'a> {
         Self { scene, mesh, directions: DirectionSet::new(DIRECTIONS, order, 0) }
     }
 
-    /// Completes what was found at a vertex by its validity, and counts the rays that it took.
-    pub(crate) fn complete(&self, vertex: usize, origin: Vec3, stats: &mut VertexStats) {
-        self.complete_at(self.mesh.normals()[vertex], origin, stats);
-    }
-
-    /// The same for any point of the surface, with its shading normal.
-    pub(crate) fn complete_at(&self, normal: [f32; 3], origin: Vec3, stats: &mut VertexStats) {
+    /// Completes what was found at a point by its validity, and counts the rays that it took.
+    ///
+    /// - `normal`: the shading normal
+    pub(crate) fn complete(&self, normal: [f32; 3], origin: Vec3, stats: &mut VertexStats) {
         if stats.occluded_share() >= SUSPECT_OCCLUSION {
             let (backs, rays) = self.backs(Vec3::from_array(normal), origin);
             stats.validity = 1.0 - backs as f32 / rays.max(1) as f32;

@@ -10,9 +10,11 @@ use exr::prelude::{
 };
 
 use super::sorted_head::SortedHead;
-use super::{ZonalTexture, write};
+use super::{FileInfo, TensorInfo, ZonalTexture, check_format, write};
 use crate::Error;
 use crate::atomic::write_atomically;
+use crate::image::{PartInfo, read_part_info};
+use crate::input::Fault;
 
 /// What the names of our attributes begin with.
 pub(crate) const ATTRIBUTE_PREFIX: &str = "prt.";
@@ -20,6 +22,22 @@ pub(crate) const ATTRIBUTE_PREFIX: &str = "prt.";
 /// Writes the image; returns its size.
 pub(super) fn write(texture: &ZonalTexture, path: &Path) -> Result<u64, Error> {
     write_planes((texture.width, texture.height), &write::texture_metadata(texture), channels(texture), path)
+}
+
+/// What a baked image says of itself: its channels count as tensors.
+pub(super) fn info(path: &Path) -> Result<FileInfo, Error> {
+    let fail = |cause| Error::Io { action: "read", path: path.to_owned(), cause };
+    let bytes = std::fs::metadata(path).map_err(fail)?.len();
+    let read = || {
+        let PartInfo { width, height, texts, channels, dtypes } = read_part_info(path)?;
+        let own = |(name, value): (String, String)| Some((name.strip_prefix(ATTRIBUTE_PREFIX)?.to_owned(), value));
+        let metadata: BTreeMap<String, String> = texts.into_iter().filter_map(own).collect();
+        check_format(&metadata).map_err(Fault::Malformed)?;
+        let tensor =
+            |(name, dtype): (String, &str)| TensorInfo { name, dtype: dtype.to_owned(), shape: vec![height, width] };
+        Ok(FileInfo { metadata, tensors: channels.into_iter().zip(dtypes).map(tensor).collect(), bytes })
+    };
+    read().map_err(|fault: Fault| fault.in_file(path, "PRT OpenEXR"))
 }
 
 /// Writes an image of 32 bits with named channels; returns its size.

@@ -13,6 +13,7 @@ use std::path::Path;
 use sh_core::Order;
 
 use crate::Error;
+use crate::image::is_exr;
 use crate::input::read_file;
 
 pub(crate) use exr::{ATTRIBUTE_PREFIX, planes, write_planes};
@@ -153,11 +154,14 @@ impl BakedFile {
     }
 }
 
-/// What a baked file of any kind says of itself.
+/// What a baked file of any kind says of itself. Of an image the channels count as tensors.
 ///
 /// # Errors
-/// If the file cannot be read or is not a safetensors file with metadata.
+/// If the file cannot be read, or is neither a safetensors file with metadata nor an OpenEXR image that was baked.
 pub fn file_info(path: &Path) -> Result<FileInfo, Error> {
+    if is_exr(path)? {
+        return exr::info(path);
+    }
     read::info(&read_file(path)?).map_err(|reason| malformed(path, reason))
 }
 

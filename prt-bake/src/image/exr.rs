@@ -73,6 +73,8 @@ pub(crate) struct PartInfo {
     pub(crate) texts: BTreeMap<String, String>,
     /// Names of the channels.
     pub(crate) channels: Vec<String>,
+    /// Their types, as safetensors spells them.
+    pub(crate) dtypes: Vec<&'static str>,
 }
 
 /// What the first part of an image says of itself; its pixels are not read.
@@ -82,6 +84,14 @@ pub(crate) fn read_part_info(path: &Path) -> Result<PartInfo, Fault> {
     let file = BufReader::new(File::open(path).map_err(fail)?);
     let read = || block::read(file, false).map(|reader| part_info(&reader.headers()[0])).map_err(fault);
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(Fault::malformed("its head makes the decoder fail")))
+}
+
+/// Whether a file begins as an image of this format does.
+pub(crate) fn is_exr(path: &Path) -> Result<bool, Error> {
+    check_is_file(path)?;
+    let mut magic = [0; 4];
+    let read = File::open(path).and_then(|mut file| io::Read::read_exact(&mut file, &mut magic));
+    Ok(read.is_ok() && magic == [0x76, 0x2f, 0x31, 0x01])
 }
 
 /// Reads chosen channels of the first part of an image, `[H, W, slots]`; what the file leaves out is NaN.
@@ -131,6 +141,15 @@ fn part_info(header: &Header) -> PartInfo {
         height,
         texts: header.own_attributes.other.iter().filter_map(text).collect(),
         channels: header.channels.list.iter().map(|channel| channel.name.to_string()).collect(),
+        dtypes: header.channels.list.iter().map(|channel| dtype(channel.sample_type)).collect(),
+    }
+}
+
+fn dtype(samples: SampleType) -> &'static str {
+    match samples {
+        SampleType::F32 => "F32",
+        SampleType::F16 => "F16",
+        SampleType::U32 => "U32",
     }
 }
 

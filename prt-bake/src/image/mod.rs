@@ -9,7 +9,7 @@ mod standard;
 
 use std::path::Path;
 
-pub(crate) use exr::{PartInfo, decode_channels, read_part_info};
+pub(crate) use exr::{PartInfo, decode_channels, is_exr, read_part_info};
 pub use save::{ExrPrecision, save_png};
 #[cfg(feature = "trace")]
 pub(crate) use srgb::linear_to_srgb;

@@ -113,7 +113,7 @@ impl Header {
             mesh: mesh.content_hash(),
             settings: Settings::of(options),
             vertex_count: mesh.positions().len(),
-            channels: if options.bounces > 0 { mesh.channel_count() } else { 1 },
+            channels: options.channel_count(mesh),
             part: (part.number(), part.count()),
             texels: None,
         }

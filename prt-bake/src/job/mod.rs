@@ -25,8 +25,8 @@ pub use part::Part;
 pub(crate) use reflect::Reflector;
 pub use target::{BakeTarget, FileReport, Unfinished};
 pub use texels::{bake_texels, bake_texels_to_file};
-pub use vertices::bake_to_file;
 pub(crate) use vertices::bake_in_memory;
+pub use vertices::bake_to_file;
 
 #[cfg(test)]
 mod tests;

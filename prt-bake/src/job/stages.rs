@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::header::Header;
 use super::journal::Journal;
-use crate::{BakeReport, BakedSurface, Error, Metadata, Source, TexelTransfer, TransferVectors, file_info};
+use crate::{BakeReport, BakedSurface, Error, Metadata, Source, TexelTransfer, TransferVectors};
 
 /// A bake in blocks.
 pub(super) trait Job {
@@ -34,9 +34,6 @@ pub(super) trait Baked {
     /// Writes the file; returns its size.
     fn write_to(&self, path: &Path) -> Result<u64, Error>;
 
-    /// The identity of the bake whose result a file is.
-    fn identity_of(path: &Path) -> Option<String>;
-
     /// Takes down where it comes from.
     fn complete(&mut self, header: &Header, source: Option<&Source>) {
         let metadata = self.metadata_mut();
@@ -61,10 +58,6 @@ impl Baked for BakedSurface {
     fn write_to(&self, path: &Path) -> Result<u64, Error> {
         self.write(path)
     }
-
-    fn identity_of(path: &Path) -> Option<String> {
-        file_info(path).ok()?.metadata.remove("identity")
-    }
 }
 
 impl Baked for TexelTransfer {
@@ -82,9 +75,5 @@ impl Baked for TexelTransfer {
 
     fn write_to(&self, path: &Path) -> Result<u64, Error> {
         self.write_exr(path)
-    }
-
-    fn identity_of(path: &Path) -> Option<String> {
-        Self::read_metadata(path).ok()?.identity
     }
 }

@@ -4,10 +4,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::header::{DONE, Header, SURFACE};
-use super::stages::{Baked, Job};
 use super::journal::Journal;
+use super::stages::{Baked, Job};
 use crate::atomic::{remove_leftovers, sync_folder};
-use crate::{BakeReport, Error, Metadata, Part, Source};
+use crate::{BakeReport, Error, Metadata, Part, Source, file_info};
 
 /// What is done with the journal of a bake that did not come to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -80,7 +80,7 @@ pub(super) fn into_file<J: Job>(mut job: J, target: &BakeTarget) -> Result<FileR
             target.part
         )));
     }
-    if target.accepts_what_is_there() && is_done::<J>(&target.path, &header) {
+    if target.accepts_what_is_there() && is_done(&target.path, &header) {
         return up_to_date(target, &header);
     }
     if !is_traced || is_device(&target.path) {
@@ -142,9 +142,11 @@ pub(super) fn journal_path(path: &Path) -> PathBuf {
 }
 
 /// Whether the file is the result of this very bake.
-fn is_done<J: Job>(path: &Path, header: &Header) -> bool {
+fn is_done(path: &Path, header: &Header) -> bool {
     match header.part() {
-        Ok(part) if part.is_whole() => J::Baked::identity_of(path) == Some(header.identity()),
+        Ok(part) if part.is_whole() => {
+            file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()))
+        }
         _ => Journal::open(path).is_ok_and(|journal| {
             header.is_complete_in(&journal) && Header::read(&journal).is_ok_and(|found| found.as_ref() == Some(header))
         }),
@@ -214,12 +216,7 @@ fn check_same(found: &Header, header: &Header, path: &Path) -> Result<(), Error>
 }
 
 /// Adds the surface to the journal of a part, and gives it the name of the part.
-fn close_part(
-    surface: &[u8],
-    target: &BakeTarget,
-    journal: Journal,
-    report: BakeReport,
-) -> Result<FileReport, Error> {
+fn close_part(surface: &[u8], target: &BakeTarget, journal: Journal, report: BakeReport) -> Result<FileReport, Error> {
     journal.append(SURFACE, surface)?;
     journal.append(DONE, &[])?;
     journal.sync()?;

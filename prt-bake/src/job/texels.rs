@@ -95,11 +95,9 @@ impl<'a> TexelJob<'a> {
         if options.keep_shadowed {
             return Err(Error::Option("texels hold one transfer; bake twice to keep the shadowed one".to_owned()));
         }
-        let header = Header::new(mesh, options, part);
-        texels.validate(options.order, header.channels)?;
         let start = Instant::now();
-        let laid_out = LaidOut::new(mesh, texels, progress)?;
-        let header = header.with_texels(texels, laid_out.texels.len());
+        let laid_out = LaidOut::new(mesh, options, texels, progress)?;
+        let header = Header::new(mesh, options, part).with_texels(texels, laid_out.texels.len());
         let report = BakeReport { build: start.elapsed(), ..BakeReport::default() };
         let threads = Threads::new(options.threads)?;
         Ok(Self { mesh, options, part, header, laid_out, threads, progress, report, gathered: None })
@@ -118,7 +116,12 @@ impl<'a> TexelJob<'a> {
     }
 
     /// Traces from the texels of some blocks.
-    fn trace_blocks(&mut self, missing: &[u32], vertices: Option<&BakedSurface>, journal: &Journal) -> Result<(), Error> {
+    fn trace_blocks(
+        &mut self,
+        missing: &[u32],
+        vertices: Option<&BakedSurface>,
+        journal: &Journal,
+    ) -> Result<(), Error> {
         let start = Instant::now();
         let Self { laid_out, options, threads, progress, .. } = self;
         let scene = Scene::new(laid_out.mesh());
@@ -153,7 +156,7 @@ impl Job for TexelJob<'_> {
         let texel_count = |numbers: &[u32]| numbers.iter().map(|&block| blocks.vertices(block).len()).sum::<usize>();
         let (done, missing): (Vec<u32>, Vec<u32>) = all.clone().partition(|&block| journal.has_texels(block));
         self.report.vertices_resumed = texel_count(&done);
-        self.progress.start(Pass::Direct, texel_count(&done) + texel_count(&missing));
+        self.progress.start(Pass::Texels, texel_count(&done) + texel_count(&missing));
         self.progress.advance(texel_count(&done), 0);
         if !missing.is_empty() {
             self.trace_blocks(&missing, vertices.as_ref(), journal)?;

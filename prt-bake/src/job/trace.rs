@@ -71,7 +71,7 @@ impl Tracer<'_> {
                 return Err(Error::Cancelled);
             }
             *stats = self.direct.shadowed_vector(scratch, vertex, row);
-            self.validity.complete(vertex, self.direct.origins[vertex], stats);
+            self.validity.complete(self.direct.normals[vertex], self.direct.origins[vertex], stats);
             if self.keep_hits {
                 found.clear();
                 stats.rays += self.direct.nearest_hits(scratch, vertex, &mut found);

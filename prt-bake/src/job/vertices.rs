@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use super::blocks::Blocks;
 use super::header::Header;
-use super::stages::Job;
 use super::journal::Journal;
 use super::reflect::Reflector;
+use super::stages::Job;
 use super::target::{BakeTarget, FileReport, into_file};
 use super::{Part, trace};
 use crate::diffuse::{InsidePlan, unshadowed};

@@ -76,7 +76,7 @@ impl Glossy<'_> {
         let pass = self.opaque.direct(&self.opaque.directions);
         let length = transfer.values.len() / transfer.texel_count();
         let mut items: Vec<_> = transfer.values.chunks_exact_mut(length).map(|values| (values, 0, 0)).collect();
-        progress.start(Pass::Direct, items.len());
+        progress.start(Pass::Texels, items.len());
         self.opaque.threads.for_each(&mut items, progress, Found::default, |found, texel, item| {
             let (values, rays, occluded) = item;
             let rows = self.texel(&pass, found, texel, reflected);

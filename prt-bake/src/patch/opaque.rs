@@ -78,7 +78,7 @@ impl<'a> Opaque<'a> {
     ) -> Result<(), Error> {
         let blocks = self.blocks();
         let pass = self.direct(&self.directions);
-        progress.start(Pass::Direct, self.field.texel_count());
+        progress.start(Pass::Texels, self.field.texel_count());
         let numbers: Vec<u32> = (0..blocks.count()).collect();
         self.threads.for_each_block(&numbers, progress, Found::default, |found, &block| {
             let texels = blocks.vertices(block);

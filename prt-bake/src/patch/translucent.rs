@@ -49,7 +49,7 @@ pub(super) fn bake(
     let walk = |channel| Walk::new(&surface, &medium, channel, options.thickness, ScatteringReport::MAX_EVENTS);
     let walks: Vec<Walk> = (0..transfer.channels).map(walk).collect();
     let mut texels: Vec<Vec<[Tally; HALVES]>> = vec![Vec::new(); field.texel_count()];
-    progress.start(Pass::Direct, texels.len());
+    progress.start(Pass::Texels, texels.len());
     threads.for_each(
         &mut texels,
         progress,

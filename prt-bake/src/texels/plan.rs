@@ -1,14 +1,16 @@
 //! All of an atlas but its transfer: what it takes to finish it where the mesh is not.
 
-use glam::DVec2;
+use glam::{DVec2, Vec3};
 use serde::{Deserialize, Serialize};
 
+use super::edges::smooth_neighbors;
 use super::grid::Grid;
 use super::layout::Layout;
+use super::points::Points;
 use super::raster::Raster;
 use super::seam::{self, Cut};
 use super::{Coverage, TexelOptions, TexelReport};
-use crate::{Error, Mesh, Progress, Source};
+use crate::{BakeOptions, Error, Mesh, Progress, Scene, Source};
 
 /// Bytes of a cut: two sides with two ends of two coordinates.
 const CUT_SIZE: usize = 8 * 8;
@@ -143,13 +145,32 @@ pub(crate) struct LaidOut<'a> {
 
 impl<'a> LaidOut<'a> {
     /// # Errors
-    /// [`Error::Atlas`] if the mesh cannot be laid out; [`Error::Cancelled`].
-    pub(crate) fn new(mesh: &'a Mesh, texels: &TexelOptions, progress: &dyn Progress) -> Result<Self, Error> {
+    /// [`Error::Option`] if the atlas is too large; [`Error::Atlas`] if the mesh cannot be laid out; [`Error::Cancelled`].
+    pub(crate) fn new(
+        mesh: &'a Mesh,
+        options: &BakeOptions,
+        texels: &TexelOptions,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        texels.validate(options.order, options.channel_count(mesh))?;
         let layout = Layout::new(mesh, texels)?;
         let raster = Raster::new(&layout, progress)?;
         let plan = AtlasPlan::new(&layout, &raster);
         let texels = plan.baked().collect();
         Ok(Self { layout, raster, plan, texels })
+    }
+
+    /// Adds the shading normals of some of the texels that are baked, and where their rays start.
+    pub(crate) fn add_points(
+        &self,
+        scene: &Scene,
+        numbers: Vec<usize>,
+        normals: &mut Vec<[f32; 3]>,
+        origins: &mut Vec<Vec3>,
+    ) {
+        let points = Points::new(self, scene, &smooth_neighbors(&self.layout), numbers);
+        normals.extend(points.normals);
+        origins.extend(points.origins);
     }
 
     pub(crate) fn mesh(&self) -> &'a Mesh {

@@ -8,7 +8,7 @@ use sh_core::Order;
 use super::exr::{COVERAGE, KIND, WRAPS, channel_names};
 use super::{Coverage, TexelTransfer};
 use crate::file::{ATTRIBUTE_PREFIX, check_format, entry, read_metadata, read_order};
-use crate::image::{PartInfo, decode_channels, read_part_info};
+use crate::image::{PartInfo, decode_channels};
 use crate::input::{Fault, read_file};
 use crate::{Error, TransferVectors};
 
@@ -16,15 +16,6 @@ type Metadata = BTreeMap<String, String>;
 
 pub(super) fn read(path: &Path) -> Result<TexelTransfer, Error> {
     decode(&read_file(path)?).map_err(|fault| fault.in_file(path, "texture-transfer OpenEXR"))
-}
-
-/// The metadata alone.
-pub(super) fn read_head(path: &Path) -> Result<crate::Metadata, Error> {
-    let head = |info: PartInfo| {
-        Channels::new(&info)?;
-        read_metadata(&metadata(&info)).map_err(Fault::Malformed)
-    };
-    read_part_info(path).and_then(head).map_err(|fault| fault.in_file(path, "texture-transfer OpenEXR"))
 }
 
 fn decode(bytes: &[u8]) -> Result<TexelTransfer, Fault> {

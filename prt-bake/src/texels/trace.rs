@@ -102,7 +102,7 @@ impl<'a> TexelTracer<'a> {
         }
         scratch.vector.resize(self.ladder.order.coeff_count(), 0.0);
         let mut stats = direct.shadowed_vector(&mut scratch.direct, point, &mut scratch.vector);
-        self.validity.complete_at(direct.normals[point], direct.origins[point], &mut stats);
+        self.validity.complete(direct.normals[point], direct.origins[point], &mut stats);
         row.chunks_exact_mut(scratch.vector.len()).for_each(|row| row.copy_from_slice(&scratch.vector));
         if let Some(reflection) = &self.reflection {
             scratch.hits.clear();

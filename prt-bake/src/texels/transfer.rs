@@ -90,14 +90,6 @@ impl TexelTransfer {
         read_exr::read(path)
     }
 
-    /// How the transfer of such a file was made; its pixels are not read.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or is not such an image.
-    pub fn read_metadata(path: &Path) -> Result<Metadata, Error> {
-        read_exr::read_head(path)
-    }
-
     pub(super) fn grid(&self) -> Grid {
         Grid { width: self.width, height: self.height, wraps: self.wraps, v_up: self.v_up }
     }

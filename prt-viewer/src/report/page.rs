@@ -48,7 +48,8 @@ fn header(input: &ReportInput<'_>, findings: &Findings, pictures: &Pictures) -> 
 /// The numbers that everybody wants.
 fn facts(input: &ReportInput<'_>, findings: &Findings) -> Vec<(&'static str, String)> {
     let error = input.numbers.get("error").and_then(Value::as_f64).or(input.baked.metadata.error);
-    let seconds = input.numbers.pointer("/seconds/total").and_then(Value::as_f64);
+    let seconds = input.numbers.pointer("/seconds/total").or_else(|| input.numbers.get("seconds"));
+    let seconds = seconds.and_then(Value::as_f64);
     let mut facts = vec![
         ("Vertices", output::count(input.baked.geometry.vertex_count() as u64)),
         ("Triangles", output::count(input.baked.geometry.triangles.len() as u64)),

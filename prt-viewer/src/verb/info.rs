@@ -38,6 +38,8 @@ enum Content {
         part: [u32; 2],
         vertices: usize,
         vertices_done: usize,
+        texels: usize,
+        texels_done: usize,
         complete: bool,
         settings: BTreeMap<String, String>,
     },
@@ -76,7 +78,9 @@ fn content(path: &Path) -> Result<Content, Error> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "glb" | "gltf" | "obj" | "ply" | "off" => mesh(path),
-        "hdr" | "pic" | "rgbe" | "exr" | "png" | "jpg" | "jpeg" => image(path),
+        // A baked image says so, in metadata of its own.
+        "exr" => baked(path).or_else(|_| image(path)),
+        "hdr" | "pic" | "rgbe" | "png" | "jpg" | "jpeg" => image(path),
         _ => baked(path),
     }
 }
@@ -89,9 +93,10 @@ fn baked(path: &Path) -> Result<Content, Error> {
 }
 
 fn journal(path: &Path) -> Result<Content, Error> {
-    let JournalInfo { part, vertices, vertices_done, is_complete: complete, settings, bytes } = journal_info(path)?;
+    let JournalInfo { part, vertices, vertices_done, texels, texels_done, is_complete: complete, settings, bytes } =
+        journal_info(path)?;
     let part = [part.number(), part.count()];
-    Ok(Content::Journal { bytes, part, vertices, vertices_done, complete, settings })
+    Ok(Content::Journal { bytes, part, vertices, vertices_done, texels, texels_done, complete, settings })
 }
 
 fn mesh(path: &Path) -> Result<Content, Error> {
@@ -126,13 +131,26 @@ fn summary(report: &Report) -> String {
             let [metadata, tensors] = [metadata.collect::<String>(), tensors.collect::<String>()];
             format!("{file}, {}\nmetadata{metadata}\ntensors{tensors}", output::bytes(*bytes))
         }
-        Content::Journal { bytes, part: [number, count], vertices, vertices_done, complete, settings } => {
+        Content::Journal {
+            bytes,
+            part: [number, count],
+            vertices,
+            vertices_done,
+            texels,
+            texels_done,
+            complete,
+            settings,
+        } => {
+            let done = |(all, done, what): (usize, usize, &str)| {
+                (all > 0).then(|| format!("{} of {} {what}", output::count(done as u64), output::count(all as u64)))
+            };
+            let traced = [(*vertices, *vertices_done, "vertices"), (*texels, *texels_done, "texels")];
+            let traced: Vec<String> = traced.into_iter().filter_map(done).collect();
             let settings = settings.iter().map(|(key, value)| format!("\n  {key:<18} {value}"));
             format!(
-                "{file}, {}: part {number} of {count}, {} of {} vertices traced, {}\nsettings{}",
+                "{file}, {}: part {number} of {count}, {} traced, {}\nsettings{}",
                 output::bytes(*bytes),
-                output::count(*vertices_done as u64),
-                output::count(*vertices as u64),
+                traced.join(" and "),
                 if *complete { "complete" } else { "not complete" },
                 settings.collect::<String>()
             )

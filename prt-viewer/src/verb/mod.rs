@@ -9,4 +9,5 @@ pub(crate) mod info;
 pub(crate) mod main_job;
 pub(crate) mod merge;
 pub(crate) mod render;
+mod reporting;
 pub(crate) mod view;

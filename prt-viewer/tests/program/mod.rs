@@ -69,6 +69,16 @@ impl Place {
         self.write("scene.obj", sphere_over_plane());
     }
 
+    /// A scene with texture coordinates: a square with a smaller one over it; each has its half of the atlas, and v runs up.
+    pub(crate) fn write_roof(&self) {
+        self.write(
+            "roof.obj",
+            "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -0.5 0.3 -0.5\nv 0.5 0.3 -0.5\nv 0.5 0.3 0.5\nv -0.5 0.3 0.5\n\
+             vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 1 0\nvt 1 1\n\
+             f 4/1 3/2 2/3\nf 4/1 2/3 1/4\nf 8/2 7/5 6/6\nf 8/2 6/6 5/3\n",
+        );
+    }
+
     /// The scene, baked quickly: `scene.prt`.
     pub(crate) fn bake_scene(&self, more: &[&str]) -> Value {
         self.write_scene();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{TexelOptions, TexelTransfer};
+use crate::{TexelOptions, TexelTransfer, file_info};
 
 /// The folded sheet in two colours, laid out on the middle of an atlas: flat where it is folded, with a gap around.
 fn laid_out_fold(cells: u32) -> Mesh {
@@ -42,7 +42,10 @@ fn an_image_holds_what_a_bake_in_memory_gives() {
         atlas.metadata.source = Some(source.clone());
         atlas.metadata.identity = report.metadata.as_ref().unwrap().identity.clone();
         assert_eq!(TexelTransfer::read_exr(&path).unwrap(), atlas);
-        assert_eq!(TexelTransfer::read_metadata(&path).unwrap(), atlas.metadata);
+        let info = file_info(&path).unwrap();
+        assert_eq!(info.metadata.get("identity"), atlas.metadata.identity.as_ref());
+        assert_eq!((info.tensors.len(), info.bytes), (1 + 16 * report.channels.unwrap(), report.bytes));
+        assert!(info.tensors.iter().all(|tensor| tensor.shape == [18, 24] && tensor.dtype == "F32"));
         assert_eq!(report.metadata, Some(atlas.metadata));
         assert_eq!(report.channels, Some(if bounces == 0 { 1 } else { 3 }));
         assert_eq!(report.bytes, fs::metadata(&path).unwrap().len());

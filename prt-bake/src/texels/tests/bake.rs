@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use super::scenes::{groove, plates, roofed_square, square, sunken_box, torus};
 use super::{bake, mesh, options, relative_difference, texels, unshadowed};
 use crate::{
-    BakeOptions, BakeReport, Coverage, Error, InsidePolicy, Pass, Progress, TexelOptions, TransferVectors, bake_diffuse,
-    bake_texels,
+    BakeOptions, BakeReport, Coverage, Error, InsidePolicy, Pass, Progress, TexelOptions, TransferVectors,
+    bake_diffuse, bake_texels,
 };
 
 #[test]

@@ -6,8 +6,8 @@ use std::time::Duration;
 use anyhow::Context;
 use glam::{Quat, Vec3};
 use prt_bake::{
-    BakeOptions, BakeTarget, Mesh, OrderReport, Progress, Savings, error_for_time, file_info, journal_info,
-    recommend_order,
+    BakeOptions, BakeTarget, Mesh, OrderReport, Progress, Savings, TexelOptions, error_for_time,
+    error_for_time_of_texels, file_info, journal_info, recommend_order,
 };
 use serde::Serialize;
 use sh_core::Order;
@@ -74,10 +74,6 @@ impl Effort {
         Ok(self.rays.unwrap_or(RAYS))
     }
 
-    pub(super) fn has_time(&self) -> bool {
-        self.time.is_some()
-    }
-
     /// The options before anything is decided.
     pub(super) fn options(&self, defaults: &BakeOptions) -> BakeOptions {
         let fallback = if self.error.is_some() || self.time.is_some() { MOST_RAYS } else { RAYS };
@@ -93,11 +89,12 @@ impl Effort {
         }
     }
 
-    /// Decides the order and the error for a mesh.
+    /// Decides the order and the error for a mesh, or for its texels.
     pub(super) fn decide(
         &self,
         mesh: &Mesh,
-        target: Option<&BakeTarget>,
+        texels: Option<&TexelOptions>,
+        target: &BakeTarget,
         options: &mut BakeOptions,
         progress: &dyn Progress,
     ) -> anyhow::Result<Decision> {
@@ -109,10 +106,13 @@ impl Effort {
             decision.order_errors = Some(found.errors);
         }
         if let Some(time) = self.time {
-            match target.and_then(error_of_earlier) {
+            match error_of_earlier(target) {
                 Some(error) => options.target_error = Some(error),
                 None => {
-                    let plan = error_for_time(mesh, options, time, progress)?;
+                    let plan = match texels {
+                        Some(texels) => error_for_time_of_texels(mesh, options, texels, time, progress)?,
+                        None => error_for_time(mesh, options, time, progress)?,
+                    };
                     options.target_error = Some(plan.target_error);
                     decision.expected_seconds = Some((plan.expected + plan.pilot).as_secs_f64());
                 }
@@ -159,11 +159,13 @@ fn recommendation(found: &OrderReport) -> String {
 }
 
 /// What was saved, in words; `None` where nothing was.
-pub(super) fn about_savings(savings: &Savings) -> Option<String> {
-    let vertices = output::count(savings.open_vertices as u64);
+///
+/// - `points`: vertices, or texels
+pub(super) fn about_savings(savings: &Savings, points: &str) -> Option<String> {
+    let open_points = output::count(savings.open_vertices as u64);
     let blocked = output::count(savings.blocked_vertices as u64);
     let factor = savings.fixed_directions as f64 / (savings.rays as f64).max(1.0);
-    let open = format!("{vertices} vertices see the whole sky, {blocked} none of it");
+    let open = format!("{open_points} {points} see the whole sky, {blocked} none of it");
     (savings.fixed_directions > 0).then(|| match factor > 1.05 {
         true => format!("{open}; {factor:.1} times fewer rays than {} for each", per_vertex(savings)),
         false => open,

@@ -36,13 +36,13 @@ impl Keeping {
         self.part.is_some_and(|part| !part.is_whole())
     }
 
-    /// The name of the scene with `.prt`, or of the part, in the current folder.
-    pub(super) fn default_output(&self, scene: &Path) -> PathBuf {
+    /// The name of the scene with `.prt`, or with the extension of its kind, or of the part, in the current folder.
+    pub(super) fn default_output(&self, scene: &Path, extension: &str) -> PathBuf {
         match self.part {
             Some(part) => {
                 super::default_output(scene).with_extension(format!("{}-of-{}.part", part.number(), part.count()))
             }
-            None => super::default_output(scene),
+            None => super::default_output(scene).with_extension(extension),
         }
     }
 

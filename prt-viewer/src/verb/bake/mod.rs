@@ -1,7 +1,6 @@
 mod effort;
 mod keeping;
 mod report;
-mod reporting;
 mod several;
 mod texels;
 
@@ -9,10 +8,11 @@ use std::path::{Path, PathBuf};
 
 use prt_bake::{
     BakeOptions, BakeReport, BakeTarget, BakedSurface, Error, FileReport, InsidePolicy, Mesh, MeshOptions, MeshReport,
-    Source, TwoSided, bake_diffuse, bake_to_file, load_mesh,
+    Source, TexelOptions, TwoSided, bake_diffuse, bake_to_file, load_mesh,
 };
 
 use super::bake_patch::{self, Common, Origin, PatchArguments};
+use super::reporting::Reporting;
 use crate::arguments::{self, Size};
 use crate::laps::Laps;
 use crate::progress_bar::BakeBar;
@@ -20,14 +20,14 @@ use crate::{cancel, output, output_file};
 use effort::{Decision, Effort};
 use keeping::Keeping;
 use report::{Report, Seconds};
-use reporting::Reporting;
+pub(crate) use texels::is_exr;
 
 /// Bakes how a mesh or a relief answers light into a .prt file
 ///
 /// Meshes are .glb, .gltf, .obj, .ply and .off. An image is a height field, as is one of the built-in patterns bumps, weave, waffle and
 /// swirl: it becomes a texture of zonal lobes (.prt, or .exr with named channels) that tiles and can be laid over any surface.
 ///
-/// What is done of a mesh is kept in OUT.prt.journal until it is complete: after Ctrl-C, a crash or a power failure, --resume goes on from
+/// What is done of a mesh or its texels is kept in OUT.prt.journal until it is complete: after Ctrl-C, a crash or a power failure, --resume goes on from
 /// there, to the same bytes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -156,6 +156,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.reporting.is_asked_for() && (arguments.texels.is_some() || !origins.is_empty()) {
         return Err(output::usage("--report is for the vertices of meshes, not for texels and height fields"));
     }
+    if arguments.reporting.is_asked_for() && arguments.keeping.is_part() {
+        return Err(output::usage("--report is for whole bakes, not for a --part; prt merge writes one of all parts"));
+    }
     match (arguments.scenes.as_slice(), origins.as_slice()) {
         ([scene], [origin]) => run_patch(arguments, scene, origin),
         (_, [_, ..]) => Err(output::usage("height fields are baked one at a time")),
@@ -181,9 +184,9 @@ fn run_patch(arguments: &Arguments, scene: &Path, origin: &Origin) -> anyhow::Re
 }
 
 fn run_mesh(arguments: &Arguments, scene: &Path) -> anyhow::Result<()> {
-    let output = arguments.output.clone().unwrap_or_else(|| arguments.keeping.default_output(scene));
+    let output = arguments.output.clone().unwrap_or_else(|| arguments.keeping.default_output(scene, "prt"));
     output_file::check(&output)?;
-    arguments.reporting.check(scene, &output, arguments.keeping.is_part(), false)?;
+    arguments.reporting.check(scene, &output, false)?;
     cancel::listen()?;
     arguments.keeping.lower_priority()?;
     let report = bake_mesh(arguments, scene, output)?;
@@ -199,11 +202,11 @@ fn bake_mesh(arguments: &Arguments, scene: &Path, output: PathBuf) -> anyhow::Re
     let load = laps.lap();
     cancel::check()?;
     let name = scene.display().to_string();
-    let (options, decision) = decide(arguments, &mesh, Some(&target), &name)?;
-    let file = bake_file(&mesh, &options, &target, &name)?;
+    let (options, decision) = decide(arguments, &mesh, None, &target, &name)?;
+    let file = bake_file(&target, &name, |bar| bake_to_file(&mesh, &options, &target, bar))?;
     let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
     let report = Report::new(scene, &target, &mesh, &cleaning, (&options, decision), &file, seconds);
-    arguments.reporting.write(scene, &target, &file, &report)?;
+    arguments.reporting.write(&output::file_name(scene), &target.path, &file, &report)?;
     Ok(report)
 }
 
@@ -221,12 +224,13 @@ fn load(arguments: &Arguments, scene: &Path) -> anyhow::Result<(Mesh, MeshReport
 fn decide(
     arguments: &Arguments,
     mesh: &Mesh,
-    target: Option<&BakeTarget>,
+    texels: Option<&TexelOptions>,
+    target: &BakeTarget,
     name: &str,
 ) -> anyhow::Result<(BakeOptions, Decision)> {
     let mut options = arguments.bake_options();
     let bar = BakeBar::new();
-    let decision = arguments.effort.decide(mesh, target, &mut options, &bar);
+    let decision = arguments.effort.decide(mesh, texels, target, &mut options, &bar);
     bar.finish();
     Ok((options, decision.map_err(|error| name_file(error, &name))?))
 }
@@ -240,9 +244,13 @@ pub(crate) fn bake(mesh: &Mesh, options: &BakeOptions, name: &str) -> anyhow::Re
 }
 
 /// Bakes into a file with a progress bar.
-fn bake_file(mesh: &Mesh, options: &BakeOptions, target: &BakeTarget, name: &str) -> anyhow::Result<FileReport> {
+fn bake_file(
+    target: &BakeTarget,
+    name: &str,
+    bake: impl FnOnce(&BakeBar) -> Result<FileReport, Error>,
+) -> anyhow::Result<FileReport> {
     let bar = BakeBar::new();
-    let baked = bake_to_file(mesh, options, target, &bar);
+    let baked = bake(&bar);
     bar.finish();
     keeping::explain(baked, target).map_err(|error| name_file(error, &name))
 }

@@ -13,24 +13,28 @@ use crate::{memory, output};
 pub(super) struct Seconds {
     /// Reading and cleaning the mesh.
     load: f64,
-    /// The tree and the set of directions.
+    /// The tree, the set of directions and the layout of an atlas.
     build: f64,
-    trace: f64,
+    /// Of texels, that of the vertices that they gather from too.
+    pub(super) trace: f64,
     write: f64,
-    total: f64,
+    pub(super) total: f64,
 }
 
 impl Seconds {
     /// - `load`, `rest`, `total`: reading, all after it, and all together
     pub(super) fn new(load: f64, rest: f64, total: f64, bake: &BakeReport) -> Self {
-        let [build, trace] = [bake.build, bake.trace].map(|time| time.as_secs_f64());
+        let gathered = bake.texels.as_ref().and_then(|texels| texels.vertices.as_deref());
+        let times = |bake: &BakeReport| [bake.build, bake.trace].map(|time| time.as_secs_f64());
+        let ([build, trace], [more_build, more_trace]) = (times(bake), gathered.map_or([0.0; 2], times));
+        let (build, trace) = (build + more_build, trace + more_trace);
         Self { load, build, trace, write: (rest - build - trace).max(0.0), total }
     }
 }
 
 /// What stopping early saved.
 #[derive(Debug, Serialize)]
-struct Saved {
+pub(super) struct Saved {
     /// Rays that the same number for each vertex would have been.
     fixed_rays: u64,
     open_vertices: usize,
@@ -42,7 +46,7 @@ struct Saved {
 }
 
 impl Saved {
-    fn of(savings: &Savings) -> Self {
+    pub(super) fn of(savings: &Savings) -> Self {
         Self {
             fixed_rays: savings.fixed_directions,
             open_vertices: savings.open_vertices,
@@ -145,7 +149,7 @@ impl Report {
             error: bake.error,
             decision,
             savings: Saved::of(&bake.savings),
-            about_savings: effort::about_savings(&bake.savings),
+            about_savings: effort::about_savings(&bake.savings, "vertices"),
             seed: options.seed,
             threads: bake.threads,
             mrays_per_second: super::mrays_per_second(bake),

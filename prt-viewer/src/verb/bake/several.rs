@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &Arguments, scenes: &[PathBuf]) -> anyhow::Result<(
     let outputs = outputs(arguments, scenes)?;
     outputs.iter().try_for_each(|output| output_file::check(output))?;
     for (scene, output) in scenes.iter().zip(&outputs) {
-        arguments.reporting.check(scene, output, arguments.keeping.is_part(), true)?;
+        arguments.reporting.check(scene, output, true)?;
     }
     cancel::listen()?;
     arguments.keeping.lower_priority()?;
@@ -64,7 +64,7 @@ fn outputs(arguments: &Arguments, scenes: &[PathBuf]) -> anyhow::Result<Vec<Path
     let is_folder = arguments.output.is_none() || folder.is_dir();
     anyhow::ensure!(is_folder, "{} is not a folder; several scenes need one", folder.display());
     let outputs: Vec<PathBuf> =
-        scenes.iter().map(|scene| folder.join(arguments.keeping.default_output(scene))).collect();
+        scenes.iter().map(|scene| folder.join(arguments.keeping.default_output(scene, "prt"))).collect();
     let mut sorted: Vec<&PathBuf> = outputs.iter().collect();
     sorted.sort();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {

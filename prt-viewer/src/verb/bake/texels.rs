@@ -1,44 +1,50 @@
 //! Baking the texels that the texture coordinates of a mesh lay out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::ensure;
-use prt_bake::{Source, TexelOptions, TexelReport, TexelTransfer, bake_texels};
+use prt_bake::{BakeOptions, BakeTarget, FileReport, Mesh, Source, TexelOptions, TexelReport, bake_texels_to_file};
 use serde::Serialize;
 
 use super::Arguments;
+use super::effort::{self, Decision};
+use super::report::{Saved, Seconds};
 use crate::arguments::Size;
 use crate::laps::Laps;
-use crate::progress_bar::BakeBar;
 use crate::{cancel, memory, output, output_file};
 
 #[derive(Debug, Serialize)]
 struct Report {
     scene: String,
     output: String,
+    /// Whether the output was there already, and nothing was baked.
+    up_to_date: bool,
+    /// Number and count, for a part of a bake.
+    part: Option<[u32; 2]>,
     width: usize,
     height: usize,
     vertices: usize,
     triangles: usize,
     order: usize,
-    channels: usize,
-    texels_inside: usize,
-    texels_border: usize,
-    texels_filled: usize,
-    texels_empty: usize,
-    texels_overlapping: usize,
+    /// `null` for a part, and if nothing was baked.
+    channels: Option<usize>,
+    /// What became of the atlas; all zero for a part, and if nothing was baked.
+    #[serde(flatten)]
+    atlas: Atlas,
     texels_invalid: usize,
-    faces_degenerate: usize,
-    faces_wrapped: usize,
-    faces_without_center: usize,
-    texels_per_face: usize,
-    seam_edges: usize,
-    seam_error: f64,
-    seam_max: f64,
+    /// Texels that an earlier run of this bake had traced from.
+    texels_resumed: usize,
     rays_per_texel: usize,
     rays_traced: u64,
     bounces: usize,
+    /// Estimated relative error of shadowed transfer; `null` without rays.
     error: Option<f64>,
+    #[serde(flatten)]
+    decision: Decision,
+    savings: Saved,
+    /// The same in words.
+    #[serde(skip)]
+    about_savings: Option<String>,
     seed: u64,
     threads: usize,
     seconds: Seconds,
@@ -46,53 +52,84 @@ struct Report {
     output_bytes: u64,
 }
 
-#[derive(Debug, Serialize)]
-struct Seconds {
-    load: f64,
-    build: f64,
-    trace: f64,
-    write: f64,
-    total: f64,
+#[derive(Debug, Default, Serialize)]
+struct Atlas {
+    texels_inside: usize,
+    texels_border: usize,
+    texels_filled: usize,
+    texels_empty: usize,
+    texels_overlapping: usize,
+    faces_degenerate: usize,
+    faces_wrapped: usize,
+    faces_without_center: usize,
+    texels_per_face: usize,
+    seam_edges: usize,
+    seam_error: f64,
+    seam_max: f64,
+}
+
+impl Atlas {
+    fn of(found: &TexelReport) -> Self {
+        let TexelReport {
+            texels_inside,
+            texels_border,
+            texels_filled,
+            texels_empty,
+            texels_overlapping,
+            faces_degenerate,
+            faces_wrapped,
+            faces_without_center,
+            texels_per_face,
+            seam_edges,
+            seam_error,
+            seam_max,
+            vertices: _,
+        } = *found;
+        Self {
+            texels_inside,
+            texels_border,
+            texels_filled,
+            texels_empty,
+            texels_overlapping,
+            faces_degenerate,
+            faces_wrapped,
+            faces_without_center,
+            texels_per_face,
+            seam_edges,
+            seam_error,
+            seam_max,
+        }
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, scene: &Path, size: Size) -> anyhow::Result<()> {
-    if arguments.keeping.is_asked_for() {
-        return Err(output::usage("--resume, --restart, --update and --part are for vertices, not for --texels"));
-    }
-    if arguments.effort.has_time() {
-        return Err(output::usage("--time is for vertices, not for --texels"));
-    }
     let mut laps = Laps::start();
-    let output = arguments.output.clone().unwrap_or_else(|| super::default_output(scene).with_extension("exr"));
-    let is_exr = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    ensure!(is_exr, "cannot write {}: the texels of a mesh are written as .exr", output.display());
+    let keeping = &arguments.keeping;
+    let output = arguments.output.clone().unwrap_or_else(|| keeping.default_output(scene, "exr"));
+    ensure!(
+        keeping.is_part() || is_exr(&output),
+        "cannot write {}: the texels of a mesh are written as .exr",
+        output.display()
+    );
     output_file::check(&output)?;
     output_file::check_differs(&output, scene)?;
     cancel::listen()?;
-    arguments.keeping.lower_priority()?;
+    keeping.lower_priority()?;
     let (mesh, _) = super::load(arguments, scene)?;
-    let source = Source::of_file(scene)?;
+    let target = keeping.target(output, Source::of_file(scene)?);
     let load = laps.lap();
-    let texels = options(arguments, scene, size);
-    let (options, _) = super::decide(arguments, &mesh, None, &scene.display().to_string())?;
-    let bar = BakeBar::new();
-    let baked = bake_texels(&mesh, &options, &texels, &bar);
-    bar.finish();
-    let (mut atlas, found) = baked.map_err(|error| super::name_file(error, &scene.display()))?;
-    atlas.metadata.source = Some(source);
     cancel::check()?;
-    laps.lap();
-    let output_bytes = atlas.write_exr(&output)?;
-    let seconds = Seconds {
-        load,
-        build: found.build.as_secs_f64(),
-        trace: found.trace.as_secs_f64(),
-        write: laps.lap(),
-        total: laps.total(),
-    };
-    let counts = [mesh.positions().len(), mesh.triangles().len()];
-    let report = report(arguments, [scene.to_owned(), output], counts, &atlas, &found, seconds, output_bytes);
-    output::result(arguments.json, &report, || summary(&report))
+    let (name, texels) = (scene.display().to_string(), options(arguments, scene, size));
+    let (options, decision) = super::decide(arguments, &mesh, Some(&texels), &target, &name)?;
+    let file = super::bake_file(&target, &name, |bar| bake_texels_to_file(&mesh, &options, &texels, &target, bar))?;
+    let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
+    let report = Report::new(scene, &target, &mesh, (&options, &texels, decision), &file, seconds);
+    output::result(arguments.json, &report, || report.summary())
+}
+
+/// Whether a file is named as an atlas is.
+pub(crate) fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
 }
 
 /// In glTF the first row of a texture is v = 0, in all other formats v = 1.
@@ -102,90 +139,94 @@ fn options(arguments: &Arguments, scene: &Path, size: Size) -> TexelOptions {
     TexelOptions { width: size.width as usize, height: size.height as usize, gutter: arguments.gutter, v_up: !is_gltf }
 }
 
-fn report(
-    arguments: &Arguments,
-    [scene, output]: [PathBuf; 2],
-    [vertices, triangles]: [usize; 2],
-    atlas: &TexelTransfer,
-    found: &TexelReport,
-    seconds: Seconds,
-    output_bytes: u64,
-) -> Report {
-    let TexelReport {
-        texels_inside,
-        texels_border,
-        texels_filled,
-        texels_empty,
-        texels_overlapping,
-        texels_invalid,
-        faces_degenerate,
-        faces_wrapped,
-        faces_without_center,
-        texels_per_face,
-        seam_edges,
-        seam_error,
-        seam_max,
-        rays_traced,
-        error,
-        threads,
-        ..
-    } = *found;
-    Report {
-        scene: scene.display().to_string(),
-        output: output.display().to_string(),
-        width: atlas.width,
-        height: atlas.height,
-        vertices,
-        triangles,
-        order: atlas.transfer.order.get(),
-        channels: atlas.transfer.channels,
-        texels_inside,
-        texels_border,
-        texels_filled,
-        texels_empty,
-        texels_overlapping,
-        texels_invalid,
-        faces_degenerate,
-        faces_wrapped,
-        faces_without_center,
-        texels_per_face,
-        seam_edges,
-        seam_error,
-        seam_max,
-        rays_per_texel: atlas.metadata.rays,
-        rays_traced,
-        bounces: atlas.metadata.bounces,
-        error,
-        seed: arguments.seed,
-        threads,
-        seconds,
-        peak_memory_bytes: memory::peak_bytes(),
-        output_bytes,
+impl Report {
+    fn new(
+        scene: &Path,
+        target: &BakeTarget,
+        mesh: &Mesh,
+        (options, texels, decision): (&BakeOptions, &TexelOptions, Decision),
+        file: &FileReport,
+        seconds: Seconds,
+    ) -> Self {
+        let part = Some(target.part).filter(|part| !part.is_whole());
+        let bake = &file.bake;
+        Self {
+            scene: scene.display().to_string(),
+            output: target.path.display().to_string(),
+            up_to_date: file.was_up_to_date,
+            part: part.map(|part| [part.number(), part.count()]),
+            width: texels.width,
+            height: texels.height,
+            vertices: mesh.positions().len(),
+            triangles: mesh.triangles().len(),
+            order: options.order.get(),
+            channels: file.channels,
+            atlas: bake.texels.as_ref().map(Atlas::of).unwrap_or_default(),
+            texels_invalid: bake.invalid_vertices,
+            texels_resumed: bake.vertices_resumed,
+            rays_per_texel: if options.shadowed { options.rays_per_vertex } else { 0 },
+            rays_traced: bake.rays_traced,
+            bounces: file.metadata.as_ref().map_or(0, |metadata| metadata.bounces),
+            error: bake.error,
+            decision,
+            savings: Saved::of(&bake.savings),
+            about_savings: effort::about_savings(&bake.savings, "texels"),
+            seed: options.seed,
+            threads: bake.threads,
+            seconds,
+            peak_memory_bytes: memory::peak_bytes(),
+            output_bytes: file.bytes,
+        }
     }
-}
 
-fn summary(report: &Report) -> String {
-    let count = |number: usize| output::count(number as u64);
-    let overlapping = match report.texels_overlapping {
-        0 => String::new(),
-        texels => format!("\n{} texels lie in several faces: charts overlap", count(texels)),
-    };
-    format!(
-        "{}x{} texels: {} on faces, {} at borders, {} filled, {} empty{overlapping}\n\
-         {} seam edges, difference {:.2} %\n{} rays in {:.2} s, error about {:.2} %\nwrote {} ({}) after {:.2} s",
-        report.width,
-        report.height,
-        count(report.texels_inside),
-        count(report.texels_border),
-        count(report.texels_filled),
-        count(report.texels_empty),
-        count(report.seam_edges),
-        100.0 * report.seam_error,
-        output::count(report.rays_traced),
-        report.seconds.trace,
-        100.0 * report.error.unwrap_or(0.0),
-        report.output,
-        output::bytes(report.output_bytes),
-        report.seconds.total
-    )
+    fn summary(&self) -> String {
+        if self.up_to_date {
+            return format!("{} is up to date", self.output);
+        }
+        let resumed = output::count(self.texels_resumed as u64);
+        [
+            Some(self.about_atlas()),
+            (self.texels_resumed > 0).then(|| format!("{resumed} texels were there from an earlier run")),
+            Some(self.about_rays()),
+            self.about_savings.clone(),
+            Some(self.about_output()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join("\n")
+    }
+
+    fn about_atlas(&self) -> String {
+        let count = |number: usize| output::count(number as u64);
+        let size = format!("{}x{} texels", self.width, self.height);
+        if let Some([number, parts]) = self.part {
+            return format!("{size}, part {number} of {parts}");
+        }
+        let Atlas { texels_inside, texels_border, texels_filled, texels_empty, .. } = self.atlas;
+        let overlapping = match self.atlas.texels_overlapping {
+            0 => String::new(),
+            texels => format!("\n{} texels lie in several faces: charts overlap", count(texels)),
+        };
+        format!(
+            "{size}: {} on faces, {} at borders, {} filled, {} empty{overlapping}\n{} seam edges, difference {:.2} %",
+            count(texels_inside),
+            count(texels_border),
+            count(texels_filled),
+            count(texels_empty),
+            count(self.atlas.seam_edges),
+            100.0 * self.atlas.seam_error,
+        )
+    }
+
+    fn about_rays(&self) -> String {
+        let error = self.error.map(|error| format!(", error about {:.2} %", 100.0 * error));
+        let (rays, seconds) = (output::count(self.rays_traced), self.seconds.trace);
+        format!("{rays} rays in {seconds:.2} s{}", error.unwrap_or_default())
+    }
+
+    fn about_output(&self) -> String {
+        let (bytes, seconds) = (output::bytes(self.output_bytes), self.seconds.total);
+        format!("wrote {} ({bytes}) after {seconds:.2} s", self.output)
+    }
 }

@@ -1,15 +1,15 @@
-//! The report that a bake is asked to write.
+//! The report that a bake, or a merge of its parts, is asked to write.
 
 use std::path::{Path, PathBuf};
 
-use prt_bake::{BakeTarget, BakedSurface, FileReport};
+use prt_bake::{BakedSurface, FileReport};
 use serde::Serialize;
 
 use crate::output;
 use crate::report::{self, Paths, ReportInput};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Reporting {
+pub(crate) struct Reporting {
     /// Write a report, a page with pictures and a JSON file: beside the result, in a folder, or as FILE.html
     #[arg(long, value_name = "FOLDER|FILE.html", num_args = 0..=1, value_parser = report::parse)]
     report: Option<Option<PathBuf>>,
@@ -21,38 +21,33 @@ impl Reporting {
     }
 
     /// Fails before the work if a report could not be written, or not for each of several bakes.
-    pub(super) fn check(
-        &self,
-        scene: &Path,
-        output: &Path,
-        is_part: bool,
-        is_one_of_several: bool,
-    ) -> anyhow::Result<()> {
+    ///
+    /// - `input`: what must not be overwritten
+    pub(super) fn check(&self, input: &Path, output: &Path, is_one_of_several: bool) -> anyhow::Result<()> {
         let Some(paths) = self.paths(output) else { return Ok(()) };
-        if is_part {
-            return Err(output::usage("--report is for whole bakes, not for a --part"));
-        }
         if is_one_of_several && self.report.as_ref().is_some_and(|given| given.as_deref() == Some(&paths.html)) {
             return Err(output::usage("--report needs a folder for several scenes"));
         }
-        paths.check(scene, output)
+        paths.check(input, output)
     }
 
     /// Writes the report that was asked for. That of a bake which was done before stays.
+    ///
+    /// - `scene`: what it is called in the title
     pub(super) fn write(
         &self,
-        scene: &Path,
-        target: &BakeTarget,
+        scene: &str,
+        output: &Path,
         file: &FileReport,
         numbers: &impl Serialize,
     ) -> anyhow::Result<()> {
-        let Some(paths) = self.paths(&target.path) else { return Ok(()) };
+        let Some(paths) = self.paths(output) else { return Ok(()) };
         if file.was_up_to_date && paths.html.exists() {
             return Ok(());
         }
         let input = ReportInput {
-            scene: &output::file_name(scene),
-            baked: &BakedSurface::read(&target.path)?,
+            scene,
+            baked: &BakedSurface::read(output)?,
             vertices: &file.bake.vertices,
             numbers: &serde_json::to_value(numbers)?,
             command: &report::command_line(std::env::args_os()),
