@@ -107,14 +107,18 @@ fn plan<'a>(
     }
     let start = Instant::now();
     let (pilot, shares) = scene()?;
-    let clock = Clock::new(pilot, shares, options, start.elapsed())?;
+    let built = start.elapsed();
+    let mut ladder = Ladder::new(&BakeOptions { target_error: Some(1.0), ..options.clone() });
+    // The bake builds both again, and the sets of directions once for vertices and once for texels.
+    let ladders = shares.iter().filter(|share| !share.points.is_empty()).count() as u32;
+    let build = built + ladders * (start.elapsed() - built);
+    let clock = Clock::new(pilot, shares, options, build)?;
     let mut plan = TimePlan {
         target_error: 1.0,
         expected: clock.build,
         pilot: Duration::ZERO,
         vertices: clock.pilot.normals.len(),
     };
-    let mut ladder = clock.ladder(options);
     let mut before: Option<Tried> = None;
     let mut error = 1.0;
     loop {
@@ -179,10 +183,6 @@ impl<'a> Clock<'a> {
             || TransferVectors::unshadowed(options.order, mesh.normals()).with_channels(mesh.channel_count());
         let reflection = (options.bounces > 0).then(|| Reflection::new(mesh.triangles(), arriving()));
         Ok(Self { pilot, shares, threads, reflection, build })
-    }
-
-    fn ladder(&self, options: &BakeOptions) -> Ladder {
-        Ladder::new(&BakeOptions { target_error: Some(1.0), ..options.clone() })
     }
 
     fn time(
