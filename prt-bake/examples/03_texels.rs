@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 2. The bake, and what it says: overlaps and the differences across seams are faults of the atlas.
     let options = BakeOptions { bounces: 1, ..BakeOptions::preview() };
     let (atlas, report) = bake_texels(&mesh, &options, &TexelOptions { v_up, ..TexelOptions::square(size) }, &())?;
-    eprintln!("{:?}", TexelReport { vertices: None, ..report });
+    eprintln!("{:?}", report.texels.map(|found| TexelReport { vertices: None, ..found }));
 
     // 3. One image with a channel for each coefficient, and pictures of it under a light.
     let path = |name: &str| Path::new(folder).join(name);
