@@ -1,10 +1,12 @@
 //! What a bake of texels found.
 
+use serde::Serialize;
+
 use crate::BakeReport;
 
 /// What an atlas holds. What its bake did is in the [`BakeReport`] that this is part of: there, vertices are the texels that a point of the
 /// surface is baked for, row after row.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TexelReport {
     /// Texels whose centre lies on a face.
     pub texels_inside: usize,
@@ -31,5 +33,6 @@ pub struct TexelReport {
     /// Largest difference of the two, relative to the root mean square length of the vectors there.
     pub seam_max: f64,
     /// The bake of the vertices that light is reflected from, if there are bounces and it was not done elsewhere.
+    #[serde(skip)]
     pub vertices: Option<Box<BakeReport>>,
 }

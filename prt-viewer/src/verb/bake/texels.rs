@@ -30,7 +30,7 @@ struct Report {
     channels: Option<usize>,
     /// What became of the atlas; all zero for a part, and if nothing was baked.
     #[serde(flatten)]
-    atlas: Atlas,
+    atlas: TexelReport,
     texels_invalid: usize,
     /// Texels that an earlier run of this bake had traced from.
     texels_resumed: usize,
@@ -50,56 +50,6 @@ struct Report {
     seconds: Seconds,
     peak_memory_bytes: Option<u64>,
     output_bytes: u64,
-}
-
-#[derive(Debug, Default, Serialize)]
-struct Atlas {
-    texels_inside: usize,
-    texels_border: usize,
-    texels_filled: usize,
-    texels_empty: usize,
-    texels_overlapping: usize,
-    faces_degenerate: usize,
-    faces_wrapped: usize,
-    faces_without_center: usize,
-    texels_per_face: usize,
-    seam_edges: usize,
-    seam_error: f64,
-    seam_max: f64,
-}
-
-impl Atlas {
-    fn of(found: &TexelReport) -> Self {
-        let TexelReport {
-            texels_inside,
-            texels_border,
-            texels_filled,
-            texels_empty,
-            texels_overlapping,
-            faces_degenerate,
-            faces_wrapped,
-            faces_without_center,
-            texels_per_face,
-            seam_edges,
-            seam_error,
-            seam_max,
-            vertices: _,
-        } = *found;
-        Self {
-            texels_inside,
-            texels_border,
-            texels_filled,
-            texels_empty,
-            texels_overlapping,
-            faces_degenerate,
-            faces_wrapped,
-            faces_without_center,
-            texels_per_face,
-            seam_edges,
-            seam_error,
-            seam_max,
-        }
-    }
 }
 
 pub(super) fn run(arguments: &Arguments, scene: &Path, size: Size) -> anyhow::Result<()> {
@@ -161,7 +111,7 @@ impl Report {
             triangles: mesh.triangles().len(),
             order: options.order.get(),
             channels: file.channels,
-            atlas: bake.texels.as_ref().map(Atlas::of).unwrap_or_default(),
+            atlas: bake.texels.clone().unwrap_or_default(),
             texels_invalid: bake.invalid_vertices,
             texels_resumed: bake.vertices_resumed,
             rays_per_texel: if options.shadowed { options.rays_per_vertex } else { 0 },
@@ -203,7 +153,7 @@ impl Report {
         if let Some([number, parts]) = self.part {
             return format!("{size}, part {number} of {parts}");
         }
-        let Atlas { texels_inside, texels_border, texels_filled, texels_empty, .. } = self.atlas;
+        let TexelReport { texels_inside, texels_border, texels_filled, texels_empty, .. } = self.atlas;
         let overlapping = match self.atlas.texels_overlapping {
             0 => String::new(),
             texels => format!("\n{} texels lie in several faces: charts overlap", count(texels)),
