@@ -7,7 +7,7 @@ use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
 use super::stages::{Baked, Job};
 use crate::atomic::{remove_leftovers, sync_folder};
-use crate::{BakeReport, Error, Metadata, Part, Source, file_info};
+use crate::{BakeReport, Error, Metadata, Part, Source, TexelTransfer, file_info};
 
 /// What is done with the journal of a bake that did not come to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -144,6 +144,10 @@ pub(super) fn journal_path(path: &Path) -> PathBuf {
 /// Whether the file is the result of this very bake.
 fn is_done(path: &Path, header: &Header) -> bool {
     match header.part() {
+        // All of an image is read: its head stands alone, and says nothing of what follows.
+        Ok(part) if part.is_whole() && header.texels.is_some() => {
+            TexelTransfer::read_exr(path).is_ok_and(|atlas| atlas.metadata.identity == Some(header.identity()))
+        }
         Ok(part) if part.is_whole() => {
             file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()))
         }
@@ -171,6 +175,10 @@ fn check_overwritten(target: &BakeTarget, header: &Header) -> Result<(), Error> 
         return Ok(());
     }
     let there = Journal::open(&target.path).ok().and_then(|journal| Header::read(&journal).ok().flatten());
+    let of_other_kind = there.as_ref().filter(|there| there.texels.is_some() != header.texels.is_some());
+    if let Some(difference) = of_other_kind.and_then(|there| header.difference(there)) {
+        return Err(Error::OtherBake { path: target.path.clone(), difference });
+    }
     match there.and_then(|there| there.part().ok()) {
         Some(part) if part == header.part()? => Ok(()),
         Some(part) => Err(Error::Parts(format!(

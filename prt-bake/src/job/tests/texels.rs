@@ -156,8 +156,13 @@ fn an_atlas_that_is_up_to_date_is_not_baked_again() {
         assert!(baked(&options, &TexelOptions { gutter: 3, ..texels() }));
         assert!(baked(&BakeOptions { seed: 1, ..options.clone() }, &TexelOptions { gutter: 3, ..texels() }));
     }
-    fs::write(&path, b"something else").unwrap();
     assert!(baked(&options(), &texels()));
+    let whole = fs::read(&path).unwrap();
+    for damaged in [&b"something else"[..], &whole[..whole.len() - 1], &whole[..whole.len() / 2], &whole[..2000]] {
+        fs::write(&path, damaged).unwrap();
+        assert!(baked(&options(), &texels()), "{} of {} bytes", damaged.len(), whole.len());
+        assert_eq!(fs::read(&path).unwrap(), whole);
+    }
 }
 
 #[test]
@@ -168,4 +173,15 @@ fn unshadowed_texels_have_no_parts() {
     let error = bake_texels_to_file(&laid_out_fold(3), &unshadowed, &texels(), &target, &()).unwrap_err().to_string();
     assert!(error.contains("part 1/2 of transfer without shadows"), "{error}");
     assert!(files(folder.path()).is_empty());
+}
+
+#[test]
+fn parts_of_texels_and_of_vertices_do_not_take_each_other_s_place() {
+    let (_folder, path) = atlas_place();
+    let mesh = laid_out_fold(3);
+    let target = BakeTarget { part: Part::new(1, 2).unwrap(), ..BakeTarget::new(&path) };
+    bake_texels_to_file(&mesh, &options(), &texels(), &target, &()).unwrap();
+    let error = bake_to_file(&mesh, &options(), &target, &()).unwrap_err().to_string();
+    assert!(error.contains("fold.exr is of another bake: texels are baked there, but vertices now"), "{error}");
+    bake_texels_to_file(&mesh, &options(), &texels(), &target, &()).unwrap();
 }
