@@ -163,6 +163,16 @@ impl Header {
         gathers.then(|| Blocks::of(self.vertex_count, self.settings.rays_per_vertex))
     }
 
+    /// The atlas, if texels are baked.
+    pub(super) fn texel_options(&self) -> Option<TexelOptions> {
+        self.texels.map(|TexelSettings { width, height, gutter, v_up, .. }| TexelOptions {
+            width,
+            height,
+            gutter,
+            v_up,
+        })
+    }
+
     /// Of an atlas, in texels.
     pub(super) fn gutter(&self) -> usize {
         self.texels.map_or(0, |texels| texels.gutter)
@@ -214,7 +224,14 @@ impl Header {
         }
         let mut bytes = Vec::new();
         journal.read(HEADER, &mut bytes)?;
-        serde_json::from_slice(&bytes).map(Some).map_err(|error| journal.malformed(format!("its header: {error}")))
+        let header: Self =
+            serde_json::from_slice(&bytes).map_err(|error| journal.malformed(format!("its header: {error}")))?;
+        let count = header.vertex_count.max(header.shared_count());
+        if u32::try_from(count).is_err() || ![1, 3].contains(&header.channels) {
+            let channels = header.channels;
+            return Err(journal.malformed(format!("its header claims {count} points of {channels} channels")));
+        }
+        Ok(Some(header))
     }
 
     /// Says how another header differs; `None` if it does not.

@@ -92,8 +92,12 @@ impl PartFile {
     fn surface(&self) -> Result<Surface, Error> {
         let mut bytes = Vec::new();
         self.journal.read(SURFACE, &mut bytes)?;
-        let (surface, count) = if self.header.texels.is_some() {
+        let (surface, count) = if let Some(texels) = self.header.texel_options() {
             let plan = AtlasPlan::from_bytes(&bytes).map_err(|reason| self.journal.malformed(reason))?;
+            if !plan.is_of(&texels) {
+                return Err(self.journal.malformed("its atlas is of another size".to_owned()));
+            }
+            texels.validate(self.header.settings.options(None)?.order, self.header.channels)?;
             let count = plan.baked().count();
             (Surface::Atlas(plan), count)
         } else {

@@ -42,7 +42,7 @@ impl TexelOptions {
     }
 
     /// - `channels`: of the result
-    pub(super) fn validate(&self, order: Order, channels: usize) -> Result<(), Error> {
+    pub(crate) fn validate(&self, order: Order, channels: usize) -> Result<(), Error> {
         let fail = |message: String| Err(Error::Option(message));
         let (width, height) = (self.width, self.height);
         if ![width, height].iter().all(|size| (1..=Self::MAX_SIZE).contains(size)) {

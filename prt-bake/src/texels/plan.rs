@@ -63,6 +63,12 @@ impl AtlasPlan {
         Self { grid, coverage: raster.coverage.clone(), cuts: seam::cuts(layout), head }
     }
 
+    /// Whether it is as large as was asked for, and the same way up.
+    pub(crate) fn is_of(&self, texels: &TexelOptions) -> bool {
+        let Grid { width, height, v_up, .. } = self.grid;
+        (width, height, v_up) == (texels.width, texels.height, texels.v_up)
+    }
+
     pub(crate) fn texel_count(&self) -> usize {
         self.coverage.len()
     }

@@ -1,3 +1,4 @@
+use super::super::header::Header;
 use super::*;
 use crate::{TexelOptions, TexelTransfer, file_info};
 
@@ -184,4 +185,43 @@ fn parts_of_texels_and_of_vertices_do_not_take_each_other_s_place() {
     let error = bake_to_file(&mesh, &options(), &target, &()).unwrap_err().to_string();
     assert!(error.contains("fold.exr is of another bake: texels are baked there, but vertices now"), "{error}");
     bake_texels_to_file(&mesh, &options(), &texels(), &target, &()).unwrap();
+}
+
+#[test]
+fn what_a_part_claims_is_checked_before_it_is_believed() {
+    let (folder, path) = atlas_place();
+    let mesh = laid_out_fold(3);
+    let target = BakeTarget { part: Part::new(1, 2).unwrap(), ..BakeTarget::new(&path) };
+    bake_texels_to_file(&mesh, &options(), &texels(), &target, &()).unwrap();
+    let header = Header::read(&Journal::open(&path).unwrap()).unwrap().unwrap();
+    type Change = fn(&mut Header);
+    let changes: [(Change, &str); 4] = [
+        (|header| header.vertex_count = usize::MAX, "its header claims 18446744073709551615 points"),
+        (|header| header.channels = 0, "points of 0 channels"),
+        (|header| header.channels = 2, "points of 2 channels"),
+        (|header| header.vertex_count = 1 << 40, "points of 3 channels"),
+    ];
+    for (change, words) in changes {
+        let claimed = folder.path().join("claimed");
+        let mut changed = header.clone();
+        change(&mut changed);
+        changed.append_to(&Journal::create(&claimed).unwrap()).unwrap();
+        for error in [journal_info(&claimed).unwrap_err(), merge_parts(&[claimed], &path, None, &()).unwrap_err()] {
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
+    // An atlas that its own header does not fit to.
+    let journal = Journal::resume(&path).unwrap();
+    let wider = TexelOptions { width: 25, ..texels() };
+    header.clone().with_texels(&wider, header.shared_count()).append_to(&journal).unwrap();
+    drop(journal);
+    let other = folder.path().join("other.exr");
+    let second = BakeTarget { path: other.clone(), part: Part::new(2, 2).unwrap(), ..BakeTarget::new("") };
+    bake_texels_to_file(&mesh, &options(), &texels(), &second, &()).unwrap();
+    let journal = Journal::resume(&other).unwrap();
+    let header = Header::read(&journal).unwrap().unwrap();
+    header.clone().with_texels(&wider, header.shared_count()).append_to(&journal).unwrap();
+    drop(journal);
+    let error = merge_parts(&[path, other], &folder.path().join("all.exr"), None, &()).unwrap_err().to_string();
+    assert!(error.contains("its atlas is of another size"), "{error}");
 }
