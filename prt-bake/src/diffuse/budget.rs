@@ -46,9 +46,9 @@ const SHARE: f64 = 0.92;
 ///
 /// The bake itself then runs with [`BakeOptions::target_error`] set, so that its bytes do not depend on any clock: only the choice of the
 /// error does. [`BakeOptions::rays_per_vertex`] is the finest set of directions, here too: give it room. Time for reading the mesh and for
-/// writing the file is not counted. Bakes of the bunny, of `nefertiti` and of 512² texels of `spot` in 3, 5, 10 and 20 s took 88 to 107 % of that, on
-/// two threads with room for 65,536 rays, and reached errors of 4e-3 (5 s) and 6e-4 (20 s) at vertices; where other work shares the machine the
-/// same bake took 82 to 115 %. Sets of directions alone take half a second, so that budgets below 2 s are missed.
+/// writing the file is not counted. Bakes of the bunny, of `nefertiti` and of 512² texels of `spot` in 3, 5, 10 and 20 s took 88 to 107 % of
+/// that, on two threads with room for 65,536 rays, and reached errors of 4e-3 (5 s) and 6e-4 (20 s) at vertices; where other work shares the
+/// machine the same bake took 82 to 115 %. Sets of directions alone take half a second, so that budgets below 2 s are missed.
 ///
 /// # Errors
 /// If an option is out of range or there are no shadows to trace, or the caller cancels.
@@ -108,12 +108,10 @@ fn plan<'a>(
     }
     let start = Instant::now();
     let (pilot, shares) = scene()?;
-    let built = start.elapsed();
     let mut ladder = Ladder::new(&BakeOptions { target_error: Some(1.0), ..options.clone() });
-    // The bake builds both again, and the sets of directions once for vertices and once for texels.
-    let ladders = shares.iter().filter(|share| !share.points.is_empty()).count() as u32;
-    let build = built + ladders * (start.elapsed() - built);
-    let clock = Clock::new(pilot, shares, options, build)?;
+    // The bake builds the tree and the sets of directions again, once for vertices and once for texels.
+    let passes = shares.iter().filter(|share| !share.points.is_empty()).count() as u32;
+    let clock = Clock::new(pilot, shares, options, passes * start.elapsed())?;
     let mut plan = TimePlan {
         target_error: 1.0,
         expected: clock.build,

@@ -102,9 +102,6 @@ pub fn bake_diffuse(
     progress: &dyn Progress,
 ) -> Result<(BakedSurface, BakeReport), Error> {
     options.validate()?;
-    if !options.shadowed {
-        return Ok((unshadowed(mesh, options), BakeReport::default()));
-    }
     crate::job::bake_in_memory(mesh, options, progress)
 }
 

@@ -23,8 +23,8 @@ impl<'a> Pilot<'a> {
     /// The points are some vertices.
     pub(super) fn of_vertices(mesh: &'a Mesh, vertices: &[usize]) -> Self {
         let scene = Scene::new(mesh);
-        let origins = ray_origins(mesh, &scene);
-        let origins = vertices.iter().map(|&vertex| origins[vertex]).collect();
+        let all = if vertices.is_empty() { Vec::new() } else { ray_origins(mesh, &scene) };
+        let origins = vertices.iter().map(|&vertex| all[vertex]).collect();
         let normals = vertices.iter().map(|&vertex| mesh.normals()[vertex]).collect();
         Self { mesh, scene, normals, origins }
     }

@@ -59,6 +59,7 @@ pub struct Metadata {
 
 /// The file that a surface was baked from.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "trace", derive(serde::Serialize, serde::Deserialize))]
 pub struct Source {
     /// File name without folders.
     pub name: String,

@@ -86,6 +86,22 @@ pub(crate) fn read_part_info(path: &Path) -> Result<PartInfo, Fault> {
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(Fault::malformed("its head makes the decoder fail")))
 }
 
+/// Whether the first part of an image can be read to its end, and has all of its pixels. They are not kept.
+#[cfg(feature = "trace")]
+pub(crate) fn is_whole(path: &Path) -> bool {
+    let read = || {
+        let file = File::open(path).ok()?;
+        let bytes = file.metadata().ok()?.len() as usize;
+        let reader = block::read(BufReader::new(file), false).ok()?;
+        let header = reader.headers()[0].clone();
+        check_header(&header, bytes).ok()?;
+        let mut missing = header.layer_size.area();
+        for_each_block(reader, 0, |block| missing -= block.index.pixel_size.area().min(missing)).ok()?;
+        Some(missing == 0)
+    };
+    check_is_file(path).is_ok() && catch_unwind(AssertUnwindSafe(read)).is_ok_and(|is_whole| is_whole == Some(true))
+}
+
 /// Whether a file begins as an image of this format does.
 pub(crate) fn is_exr(path: &Path) -> Result<bool, Error> {
     check_is_file(path)?;

@@ -9,6 +9,8 @@ mod standard;
 
 use std::path::Path;
 
+#[cfg(feature = "trace")]
+pub(crate) use exr::is_whole as is_whole_exr;
 pub(crate) use exr::{PartInfo, decode_channels, is_exr, read_part_info};
 pub use save::{ExrPrecision, save_png};
 #[cfg(feature = "trace")]

@@ -1,4 +1,4 @@
-//! What is kept of a block of vertices, as bytes.
+//! What is kept of a block of vertices or texels, as bytes.
 
 use std::ops::Range;
 
@@ -52,6 +52,13 @@ impl Journal {
     /// Whether all of a block of texels is there.
     pub(crate) fn has_texels(&self, block: u32) -> bool {
         [TEXELS as u32, STATS | TEXELS as u32].iter().all(|&pass| self.contains(key(pass, block)))
+    }
+
+    /// The blocks that a pass has brought transfer to, and whose statistics are there.
+    pub(crate) fn blocks_of(&self, pass: usize) -> impl Iterator<Item = u32> {
+        let pass = pass as u32;
+        let blocks = self.keys().into_iter().filter(move |key| key.pass == pass).map(|key| key.block);
+        blocks.filter(move |&block| self.contains(key(STATS | pass, block)))
     }
 
     pub(crate) fn append_rows(&self, pass: usize, block: u32, rows: &[f32]) -> Result<(), Error> {

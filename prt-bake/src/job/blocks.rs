@@ -25,6 +25,11 @@ impl Blocks {
         u32::try_from(self.vertex_count.div_ceil(self.size)).expect("a mesh has less than 2^32 vertices")
     }
 
+    /// How many vertices some blocks in a row have.
+    pub(crate) fn vertex_count_of(self, blocks: &Range<u32>) -> usize {
+        if blocks.is_empty() { 0 } else { self.vertices(blocks.end - 1).end - self.vertices(blocks.start).start }
+    }
+
     /// All vertices.
     pub(crate) fn vertex_count(self) -> usize {
         self.vertex_count
@@ -48,6 +53,9 @@ mod tests {
                 let blocks = Blocks::of(vertex_count, rays);
                 let all: Vec<usize> = (0..blocks.count()).flat_map(|block| blocks.vertices(block)).collect();
                 assert_eq!(all, (0..vertex_count).collect::<Vec<_>>());
+                assert_eq!(blocks.vertex_count_of(&(0..blocks.count())), vertex_count);
+                assert_eq!(blocks.vertex_count_of(&(1..blocks.count())), vertex_count - blocks.vertices(0).len());
+                assert_eq!(blocks.vertex_count_of(&(1..1)), 0);
                 assert_eq!(blocks.vertices(0).len(), size.min(vertex_count), "{rays} rays");
             }
         }

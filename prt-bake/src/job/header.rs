@@ -119,6 +119,12 @@ impl Header {
         }
     }
 
+    /// For the vertices whose light the texels of this bake gather.
+    pub(super) fn of_gathered(&self, options: &BakeOptions, mesh: &Mesh) -> Self {
+        let (settings, channels) = (Settings::of(options), options.channel_count(mesh));
+        Self { settings, channels, texels: None, ..self.whole() }
+    }
+
     /// The same for an atlas with so many texels that are baked.
     pub(super) fn with_texels(self, texels: &TexelOptions, texel_count: usize) -> Self {
         // Without `..`, as above.
@@ -128,8 +134,7 @@ impl Header {
 
     /// SHA-256 of all that decides the bytes of the result, in hexadecimal. All parts of a bake share it.
     pub(super) fn identity(&self) -> String {
-        let whole = Self { part: (1, 1), ..self.clone() };
-        crate::hash::hex(serde_json::json!(whole).to_string().as_bytes())
+        crate::hash::hex(serde_json::json!(self.whole()).to_string().as_bytes())
     }
 
     /// The same bake as one whole.
@@ -217,10 +222,18 @@ impl Header {
         journal.append(HEADER, serde_json::json!(self).to_string().as_bytes())
     }
 
-    /// The header of a journal; `None` if its program was killed before it wrote one.
+    /// The header of a journal; `None` if its program was killed before it wrote anything.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is damaged: then what the journal is for cannot be known.
     pub(super) fn read(journal: &Journal) -> Result<Option<Self>, Error> {
         if !journal.contains(HEADER) {
-            return Ok(None);
+            let is_damaged = !journal.keys().is_empty();
+            return if is_damaged {
+                Err(journal.malformed("its first record is damaged".to_owned()))
+            } else {
+                Ok(None)
+            };
         }
         let mut bytes = Vec::new();
         journal.read(HEADER, &mut bytes)?;

@@ -5,15 +5,17 @@ use std::path::Path;
 
 use super::Part;
 use super::blocks::Blocks;
-use super::header::{DONE, Header};
+use super::header::Header;
 use super::journal::Journal;
 use crate::Error;
 
 /// What a journal, or the file of a part, says of its bake.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JournalInfo {
-    /// Which share of the vertices it is for.
+    /// Which share of the vertices, or of the texels, it is for.
     pub part: Part,
+    /// Whether texels are baked in place of vertices.
+    pub bakes_texels: bool,
     /// Vertices of this part; of a bake of texels those whose light they gather, none if there are no bounces.
     pub vertices: usize,
     /// Those from which all rays are traced.
@@ -39,31 +41,33 @@ pub fn journal_info(path: &Path) -> Result<JournalInfo, Error> {
     let header = Header::read(&journal)?;
     let header = header.ok_or_else(|| journal.malformed("it was stopped before it was begun".to_owned()))?;
     let part = header.part()?;
-    // All, and those that are done.
-    let count = |blocks: Blocks, part: Part, pass: usize| {
-        let sizes = part.blocks(blocks.count()).map(|block| (block, blocks.vertices(block).len()));
-        sizes.fold([0; 2], |[all, done], (block, size)| {
-            [all + size, done + if journal.has_rows(pass, block) { size } else { 0 }]
-        })
-    };
     let shared = header.blocks();
+    let own =
+        [shared.vertex_count_of(&part.blocks(shared.count())), done(&journal, shared, header.shared_pass(), part)];
     let (vertices, texels) = match header.texels {
-        None => (count(shared, part, header.shared_pass()), [0; 2]),
+        None => (own, [0; 2]),
         Some(_) => {
-            let vertices = header.gathered_blocks().map(|blocks| count(blocks, Part::whole(), 0));
-            (vertices.unwrap_or_default(), count(shared, part, header.shared_pass()))
+            let all = |blocks: Blocks| [blocks.vertex_count(), done(&journal, blocks, 0, Part::whole())];
+            (header.gathered_blocks().map(all).unwrap_or_default(), own)
         }
     };
     Ok(JournalInfo {
         part,
+        bakes_texels: header.texels.is_some(),
         vertices: vertices[0],
         vertices_done: vertices[1],
         texels: texels[0],
         texels_done: texels[1],
-        is_complete: journal.contains(DONE),
+        is_complete: header.is_complete_in(&journal),
         settings: header.settings_by_name(),
         bytes: std::fs::metadata(path)
             .map_err(|cause| Error::Io { action: "read", path: path.to_owned(), cause })?
             .len(),
     })
+}
+
+/// How many vertices, or texels, of a part are done. Goes through what is there, not through what is claimed.
+fn done(journal: &Journal, blocks: Blocks, pass: usize, part: Part) -> usize {
+    let own = part.blocks(blocks.count());
+    journal.blocks_of(pass).filter(|block| own.contains(block)).map(|block| blocks.vertices(block).len()).sum()
 }

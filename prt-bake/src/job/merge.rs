@@ -6,12 +6,12 @@ use super::Part;
 use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
 use super::stages::Baked;
-use super::target::{FileReport, journal_path, write_result};
+use super::target::{FileReport, journal_path, remove, write_result};
 use super::texels::assembled;
 use super::vertices::finished;
 use crate::parallel::Threads;
 use crate::texels::AtlasPlan;
-use crate::{BakeReport, BakedSurface, Error, Metadata, Progress};
+use crate::{BakeOptions, BakeReport, BakedSurface, Error, Metadata, Progress};
 
 /// Puts the parts of a bake together, in any order, and follows the bounces if any were asked for. The file has the same bytes as one
 /// baked in one go. The scene itself is not needed.
@@ -30,23 +30,46 @@ pub fn merge_parts(
     let header = first.header.whole();
     let surface = first.surface()?;
     let options = header.settings.options(threads)?;
-    let journal = new_journal(&journal_path(path), &header)?;
-    parts.iter().try_for_each(|part| part.copy_to(&journal, progress))?;
     let threads = Threads::new(options.threads)?;
-    let mut report = BakeReport { threads: threads.count(), ..BakeReport::default() };
-    let blocks = header.blocks();
-    report.count(&options, journal.all_stats(header.shared_pass(), blocks, 0..blocks.count())?);
-    match surface {
-        Surface::Mesh(BakedSurface { geometry, metadata: Metadata { source, .. }, .. }) => {
-            let mut baked = finished(geometry, &header, &options, &journal, &threads, progress, &mut report)?;
-            baked.complete(&header, source.as_ref());
-            write_result(&baked, path, journal, report)
-        }
-        Surface::Atlas(plan) => {
-            let source = plan.source();
-            let (mut atlas, found) = assembled(plan, &header, &options, &journal, &report)?;
-            atlas.complete(&header, source.as_ref());
-            write_result(&atlas, path, journal, BakeReport { texels: Some(found), ..report })
+    let journal_path = journal_path(path);
+    let journal = new_journal(&journal_path, &header)?;
+    let merge = Merge { parts: &parts, header: &header, options: &options, journal: &journal, threads: &threads };
+    let merged = merge.run(surface, path, progress);
+    if merged.is_err() {
+        // The parts have all that is in it.
+        remove(&journal_path)?;
+    }
+    merged
+}
+
+/// Parts, and a journal that they come together in.
+struct Merge<'a> {
+    parts: &'a [PartFile],
+    header: &'a Header,
+    options: &'a BakeOptions,
+    journal: &'a Journal,
+    threads: &'a Threads,
+}
+
+impl Merge<'_> {
+    fn run(&self, surface: Surface, path: &Path, progress: &dyn Progress) -> Result<FileReport, Error> {
+        let Self { parts, header, options, journal, threads } = *self;
+        parts.iter().try_for_each(|part| part.copy_to(journal, progress))?;
+        let mut report = BakeReport { threads: threads.count(), ..BakeReport::default() };
+        let blocks = header.blocks();
+        report.count(options, journal.all_stats(header.shared_pass(), blocks, 0..blocks.count())?);
+        match surface {
+            Surface::Mesh(BakedSurface { geometry, metadata: Metadata { source, .. }, .. }) => {
+                let mut baked = finished(geometry, header, options, journal, threads, progress, &mut report)?;
+                baked.complete(header, source.as_ref());
+                write_result(&baked, path, journal, report)
+            }
+            Surface::Atlas(plan) => {
+                let source = plan.head.source.clone();
+                let (mut atlas, found) = assembled(plan, header, options, journal, &report)?;
+                atlas.complete(header, source.as_ref());
+                write_result(&atlas, path, journal, BakeReport { texels: Some(found), ..report })
+            }
         }
     }
 }
@@ -79,7 +102,7 @@ impl PartFile {
     fn open(path: &Path) -> Result<Self, Error> {
         let journal = Journal::open(path)?;
         let header = Header::read(&journal)?;
-        let header = header.ok_or_else(|| journal.malformed("its first record is damaged".to_owned()))?;
+        let header = header.ok_or_else(|| journal.malformed("it was stopped before it was begun".to_owned()))?;
         if !header.is_complete_in(&journal) {
             let is_done = journal.contains(DONE);
             let reason = if is_done { "blocks are damaged" } else { "the bake of this part did not come to its end" };
@@ -97,7 +120,11 @@ impl PartFile {
             if !plan.is_of(&texels) {
                 return Err(self.journal.malformed("its atlas is of another size".to_owned()));
             }
-            texels.validate(self.header.settings.options(None)?.order, self.header.channels)?;
+            let options = self.header.settings.options(None)?;
+            texels.validate(options.order, self.header.channels)?;
+            if plan.head.bounces > options.bounces {
+                return Err(self.journal.malformed(format!("it claims {} bounces", plan.head.bounces)));
+            }
             let count = plan.baked().count();
             (Surface::Atlas(plan), count)
         } else {

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use crate::Error;
 
-/// Part `number` of `count` equal shares of the vertices, numbered from 1.
+/// Part `number` of `count` equal shares of the vertices, or of the texels, numbered from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Part {
     number: u32,
@@ -28,9 +28,8 @@ impl Part {
         )))
     }
 
-    /// The whole bake.
-    #[must_use]
-    pub fn whole() -> Self {
+    /// All of a bake.
+    pub(crate) fn whole() -> Self {
         Self { number: 1, count: 1 }
     }
 
@@ -44,12 +43,6 @@ impl Part {
     #[must_use]
     pub fn count(self) -> u32 {
         self.count
-    }
-
-    /// Whether this is all there is.
-    #[must_use]
-    pub fn is_whole(self) -> bool {
-        self.count == 1
     }
 
     /// The blocks of this part out of `block_count`. All parts together have each block once.

@@ -20,8 +20,9 @@ pub(super) trait Job {
     fn surface(&self, source: Option<&Source>) -> Result<Vec<u8>, Error>;
 
     /// Puts the result together from the blocks of the whole.
-    fn finish(&mut self, journal: &Journal) -> Result<Self::Baked, Error>;
+    fn finish(self, journal: &Journal, source: Option<&Source>) -> Result<(Self::Baked, BakeReport), Error>;
 
+    /// What there is to tell of a part.
     fn into_report(self) -> BakeReport;
 }
 

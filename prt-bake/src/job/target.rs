@@ -7,7 +7,8 @@ use super::header::{DONE, Header, SURFACE};
 use super::journal::Journal;
 use super::stages::{Baked, Job};
 use crate::atomic::{remove_leftovers, sync_folder};
-use crate::{BakeReport, Error, Metadata, Part, Source, TexelTransfer, file_info};
+use crate::image::is_whole_exr;
+use crate::{BakeReport, Error, Metadata, Part, Source, file_info};
 
 /// What is done with the journal of a bake that did not come to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,8 +27,8 @@ pub enum Unfinished {
 pub struct BakeTarget {
     /// The baked file, or the file of a part. Until it is complete what is done is in a journal beside it, `PATH.journal`.
     pub path: PathBuf,
-    /// Which share of the vertices, or of the texels, is baked.
-    pub part: Part,
+    /// Which share of the vertices, or of the texels, is baked, into the file of a part; `None` for the whole.
+    pub part: Option<Part>,
     /// What is done if there is a journal already.
     pub unfinished: Unfinished,
     /// Bake nothing if the file is there and was made from the same mesh with the same options.
@@ -40,7 +41,12 @@ impl BakeTarget {
     /// The whole bake into `path`; refuses to overwrite an unfinished one.
     #[must_use]
     pub fn new(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), part: Part::whole(), unfinished: Unfinished::Refuse, update: false, source: None }
+        Self { path: path.into(), part: None, unfinished: Unfinished::Refuse, update: false, source: None }
+    }
+
+    /// The share that is traced.
+    pub(super) fn share(&self) -> Part {
+        self.part.unwrap_or_else(Part::whole)
     }
 
     /// Whether a result of the same bake is as good as a new one.
@@ -74,22 +80,23 @@ pub struct FileReport {
 pub(super) fn into_file<J: Job>(mut job: J, target: &BakeTarget) -> Result<FileReport, Error> {
     let header = job.header().clone();
     let is_traced = header.is_traced();
-    if !is_traced && !target.part.is_whole() {
-        return Err(Error::Option(format!(
-            "part {} of transfer without shadows: no ray is traced for it",
-            target.part
-        )));
+    if let Some(part) = target.part.filter(|_| !is_traced) {
+        return Err(Error::Option(format!("part {part} of transfer without shadows: no ray is traced for it")));
     }
-    if target.accepts_what_is_there() && is_done(&target.path, &header) {
+    let is_device = is_device(&target.path);
+    if is_device && (target.part.is_some() || header.texels.is_some()) {
+        let cause = std::io::Error::other("parts and images need a regular file");
+        return Err(Error::Io { action: "write", path: target.path.clone(), cause });
+    }
+    if target.accepts_what_is_there() && is_done(target, &header) {
         return up_to_date(target, &header);
     }
-    if !is_traced || is_device(&target.path) {
+    if !is_traced || is_device {
         // There is nothing to lose, or no place beside it.
         let journal = Journal::in_memory();
         job.trace(&journal)?;
-        let mut baked = job.finish(&journal)?;
-        baked.complete(&header, target.source.as_ref());
-        return write(&baked, &target.path, job.into_report());
+        let (baked, report) = job.finish(&journal, target.source.as_ref())?;
+        return write(&baked, &target.path, report);
     }
     check_overwritten(target, &header)?;
     let journal = open_journal(target, &header)?;
@@ -99,27 +106,24 @@ pub(super) fn into_file<J: Job>(mut job: J, target: &BakeTarget) -> Result<FileR
         }
         return Err(error);
     }
-    if !target.part.is_whole() {
+    if target.part.is_some() {
         let surface = job.surface(target.source.as_ref())?;
         return close_part(&surface, target, journal, job.into_report());
     }
-    let mut baked = job.finish(&journal)?;
-    baked.complete(&header, target.source.as_ref());
-    write_result(&baked, &target.path, journal, job.into_report())
+    let (baked, report) = job.finish(&journal, target.source.as_ref())?;
+    write_result(&baked, &target.path, &journal, report)
 }
 
-/// Writes the baked file, and then removes the journal.
+/// Writes the baked file, and then removes the journal: while it is locked, so that nobody takes it for his own.
 pub(super) fn write_result(
     baked: &impl Baked,
     path: &Path,
-    journal: Journal,
+    _locked: &Journal,
     report: BakeReport,
 ) -> Result<FileReport, Error> {
     remove_leftovers(path);
     let report = write(baked, path, report)?;
-    // While it is locked, so that nobody takes it for his own.
     remove(&journal_path(path))?;
-    drop(journal);
     Ok(report)
 }
 
@@ -142,19 +146,16 @@ pub(super) fn journal_path(path: &Path) -> PathBuf {
 }
 
 /// Whether the file is the result of this very bake.
-fn is_done(path: &Path, header: &Header) -> bool {
-    match header.part() {
-        // All of an image is read: its head stands alone, and says nothing of what follows.
-        Ok(part) if part.is_whole() && header.texels.is_some() => {
-            TexelTransfer::read_exr(path).is_ok_and(|atlas| atlas.metadata.identity == Some(header.identity()))
-        }
-        Ok(part) if part.is_whole() => {
-            file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()))
-        }
-        _ => Journal::open(path).is_ok_and(|journal| {
+fn is_done(target: &BakeTarget, header: &Header) -> bool {
+    let path = &target.path;
+    if target.part.is_some() {
+        return Journal::open(path).is_ok_and(|journal| {
             header.is_complete_in(&journal) && Header::read(&journal).is_ok_and(|found| found.as_ref() == Some(header))
-        }),
+        });
     }
+    let is_same = file_info(path).is_ok_and(|info| info.metadata.get("identity") == Some(&header.identity()));
+    // The head of an image says nothing of what follows.
+    is_same && (header.texels.is_none() || is_whole_exr(path))
 }
 
 /// Says so, and removes a journal of the same bake, which a power failure may have left.
@@ -171,26 +172,18 @@ fn up_to_date(target: &BakeTarget, header: &Header) -> Result<FileReport, Error>
 
 /// A part takes the place of nothing but itself: not of another part, and not of a baked file.
 fn check_overwritten(target: &BakeTarget, header: &Header) -> Result<(), Error> {
-    if target.part.is_whole() || !target.path.exists() {
-        return Ok(());
-    }
+    let Some(part) = target.part.filter(|_| target.path.exists()) else { return Ok(()) };
+    let path = target.path.display();
     let there = Journal::open(&target.path).ok().and_then(|journal| Header::read(&journal).ok().flatten());
-    let of_other_kind = there.as_ref().filter(|there| there.texels.is_some() != header.texels.is_some());
-    if let Some(difference) = of_other_kind.and_then(|there| header.difference(there)) {
-        return Err(Error::OtherBake { path: target.path.clone(), difference });
+    let Some(there) = there else {
+        return Err(Error::Parts(format!("{path} is no part; part {part} would take its place")));
+    };
+    if there.texels.is_some() != header.texels.is_some() {
+        return check_same(&there, header, &target.path);
     }
-    match there.and_then(|there| there.part().ok()) {
-        Some(part) if part == header.part()? => Ok(()),
-        Some(part) => Err(Error::Parts(format!(
-            "part {part} is in {}, where part {} was to go",
-            target.path.display(),
-            target.part
-        ))),
-        None => Err(Error::Parts(format!(
-            "{} is no part; part {} would take its place",
-            target.path.display(),
-            target.part
-        ))),
+    match there.part()? {
+        found if found == part => Ok(()),
+        found => Err(Error::Parts(format!("part {found} is in {path}, where part {part} was to go"))),
     }
 }
 
@@ -203,13 +196,10 @@ fn open_journal(target: &BakeTarget, header: &Header) -> Result<Journal, Error> 
     if path.exists() && target.unfinished == Unfinished::Resume {
         let journal = Journal::resume(&path)?;
         match Header::read(&journal)? {
-            Some(found) => return check_same(&found, header, &path).map(|()| journal),
-            None if journal.has_blocks() => return Err(journal.malformed("its first record is damaged".to_owned())),
-            None => {
-                header.append_to(&journal)?;
-                return Ok(journal);
-            }
+            Some(found) => check_same(&found, header, &path)?,
+            None => header.append_to(&journal)?,
         }
+        return Ok(journal);
     }
     let journal = Journal::create(&path)?;
     header.append_to(&journal)?;
@@ -237,6 +227,6 @@ fn close_part(surface: &[u8], target: &BakeTarget, journal: Journal, report: Bak
     Ok(FileReport { bake: report, bytes, ..FileReport::default() })
 }
 
-fn remove(path: &Path) -> Result<(), Error> {
+pub(super) fn remove(path: &Path) -> Result<(), Error> {
     std::fs::remove_file(path).map_err(|cause| Error::Io { action: "remove", path: path.to_owned(), cause })
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::block::TEXELS;
 use super::header::Header;
 use super::journal::Journal;
-use super::stages::Job;
+use super::stages::{Baked, Job};
 use super::target::{BakeTarget, FileReport, into_file};
 use super::vertices::VertexJob;
 use super::{Blocks, Part};
@@ -32,8 +32,8 @@ use crate::{
 ///
 /// The report is about the texels; [`TexelReport`] has what is of the atlas, and of the vertices that it gathers from.
 ///
-/// Cost: as many rays as that number of vertices. Memory: twice the atlas, 13 bytes a texel, the mesh and its tree; while the vertices are
-/// baked what that takes. Same options, same bytes, for any number of threads.
+/// Cost: as many rays as that number of vertices. Memory: twice the atlas, about 40 bytes for each texel that is baked, the mesh and its tree;
+/// while the vertices are baked what that takes. Same options, same bytes, for any number of threads.
 ///
 /// # Errors
 /// [`Error::Option`] if an option is out of range, the result would be larger than [`TexelOptions::MAX_VALUES`], or `keep_shadowed` is set;
@@ -48,8 +48,7 @@ pub fn bake_texels(
     let journal = Journal::in_memory();
     let mut job = TexelJob::new(mesh, options, texels, Part::whole(), progress)?;
     job.trace(&journal)?;
-    let atlas = job.finish(&journal)?;
-    Ok((atlas, job.into_report()))
+    job.finish(&journal, None)
 }
 
 /// Bakes an atlas into an OpenEXR image, as [`bake_texels`] does, and keeps on disk what is done, as
@@ -66,7 +65,7 @@ pub fn bake_texels_to_file(
     target: &BakeTarget,
     progress: &dyn Progress,
 ) -> Result<FileReport, Error> {
-    into_file(TexelJob::new(mesh, options, texels, target.part, progress)?, target)
+    into_file(TexelJob::new(mesh, options, texels, target.share(), progress)?, target)
 }
 
 /// A bake of texels.
@@ -80,7 +79,7 @@ struct TexelJob<'a> {
     progress: &'a dyn Progress,
     report: BakeReport,
     /// The bake of the vertices that texels gather from.
-    gathered: Option<BakeReport>,
+    gathered: Option<Box<BakeReport>>,
 }
 
 impl<'a> TexelJob<'a> {
@@ -107,10 +106,11 @@ impl<'a> TexelJob<'a> {
     fn vertices(&mut self, journal: &Journal) -> Result<Option<BakedSurface>, Error> {
         let Some(bounces) = self.options.bounces.checked_sub(1) else { return Ok(None) };
         let options = BakeOptions { bounces, ..self.options.clone() };
-        let mut job = VertexJob::new(self.mesh, &options, Part::whole(), self.progress)?;
+        let header = self.header.of_gathered(&options, self.mesh);
+        let mut job = VertexJob::new(header, self.mesh, &options, Part::whole(), self.progress)?;
         job.trace(journal)?;
-        let baked = job.finish(journal)?;
-        self.gathered = Some(job.into_report());
+        let (baked, report) = job.finish(journal, None)?;
+        self.gathered = Some(Box::new(report));
         self.laid_out.plan.head.bounces = baked.metadata.bounces + 1;
         Ok(Some(baked))
     }
@@ -171,15 +171,16 @@ impl Job for TexelJob<'_> {
         Ok(self.laid_out.plan.to_bytes(source))
     }
 
-    fn finish(&mut self, journal: &Journal) -> Result<TexelTransfer, Error> {
-        let (atlas, found) = assembled(self.laid_out.plan.clone(), &self.header, self.options, journal, &self.report)?;
-        let vertices = self.gathered.take().map(Box::new);
-        self.report.texels = Some(TexelReport { vertices, ..found });
-        Ok(atlas)
+    fn finish(self, journal: &Journal, source: Option<&Source>) -> Result<(TexelTransfer, BakeReport), Error> {
+        let Self { options, header, laid_out, report, gathered: vertices, .. } = self;
+        let (mut atlas, found) = assembled(laid_out.plan, &header, options, journal, &report)?;
+        atlas.complete(&header, source);
+        Ok((atlas, BakeReport { texels: Some(TexelReport { vertices, ..found }), ..report }))
     }
 
     fn into_report(self) -> BakeReport {
-        self.report
+        let texels = TexelReport { vertices: self.gathered, ..TexelReport::default() };
+        BakeReport { texels: Some(texels), ..self.report }
     }
 }
 

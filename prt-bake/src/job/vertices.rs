@@ -6,7 +6,7 @@ use super::blocks::Blocks;
 use super::header::Header;
 use super::journal::Journal;
 use super::reflect::Reflector;
-use super::stages::Job;
+use super::stages::{Baked, Job};
 use super::target::{BakeTarget, FileReport, into_file};
 use super::{Part, trace};
 use crate::diffuse::{InsidePlan, unshadowed};
@@ -23,10 +23,9 @@ pub(crate) fn bake_in_memory(
     progress: &dyn Progress,
 ) -> Result<(BakedSurface, BakeReport), Error> {
     let journal = Journal::in_memory();
-    let mut job = VertexJob::new(mesh, options, Part::whole(), progress)?;
+    let mut job = VertexJob::new(Header::new(mesh, options, Part::whole()), mesh, options, Part::whole(), progress)?;
     job.trace(&journal)?;
-    let baked = job.finish(&journal)?;
-    Ok((baked, job.into_report()))
+    job.finish(&journal, None)
 }
 
 /// Bakes diffuse transfer into a file, as [`bake_diffuse`](crate::bake_diffuse) does, and keeps on disk what is done.
@@ -46,7 +45,8 @@ pub fn bake_to_file(
     progress: &dyn Progress,
 ) -> Result<FileReport, Error> {
     options.validate()?;
-    into_file(VertexJob::new(mesh, options, target.part, progress)?, target)
+    let part = target.share();
+    into_file(VertexJob::new(Header::new(mesh, options, part), mesh, options, part, progress)?, target)
 }
 
 /// A bake of vertices.
@@ -62,12 +62,13 @@ pub(super) struct VertexJob<'a> {
 
 impl<'a> VertexJob<'a> {
     pub(super) fn new(
+        header: Header,
         mesh: &'a Mesh,
         options: &'a BakeOptions,
         part: Part,
         progress: &'a dyn Progress,
     ) -> Result<Self, Error> {
-        let (header, threads) = (Header::new(mesh, options, part), Threads::new(options.threads)?);
+        let threads = Threads::new(options.threads)?;
         Ok(Self { mesh, options, part, header, threads, progress, report: BakeReport::default() })
     }
 }
@@ -104,12 +105,15 @@ impl Job for VertexJob<'_> {
         surface.to_bytes()
     }
 
-    fn finish(&mut self, journal: &Journal) -> Result<BakedSurface, Error> {
-        if !self.options.shadowed {
-            return Ok(unshadowed(self.mesh, self.options));
-        }
-        let geometry = Geometry::of(self.mesh);
-        finished(geometry, &self.header, self.options, journal, &self.threads, self.progress, &mut self.report)
+    fn finish(self, journal: &Journal, source: Option<&Source>) -> Result<(BakedSurface, BakeReport), Error> {
+        let Self { mesh, options, header, threads, progress, mut report, .. } = self;
+        let mut baked = if options.shadowed {
+            finished(Geometry::of(mesh), &header, options, journal, &threads, progress, &mut report)?
+        } else {
+            unshadowed(mesh, options)
+        };
+        baked.complete(&header, source);
+        Ok((baked, report))
     }
 
     fn into_report(self) -> BakeReport {
@@ -155,7 +159,6 @@ pub(super) fn finished(
         shadowed: true,
         error: report.error,
         target_error: options.target_error,
-        identity: Some(header.identity()),
         ..Metadata::default()
     };
     let validity = Some(report.vertices.iter().map(|stats| stats.validity).collect());

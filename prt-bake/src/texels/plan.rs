@@ -39,8 +39,7 @@ pub(crate) struct Head {
     per_face: usize,
     /// Bounces that were followed.
     pub(crate) bounces: usize,
-    /// Name and fingerprint of the file that was baked.
-    source: Option<[String; 2]>,
+    pub(crate) source: Option<Source>,
 }
 
 impl AtlasPlan {
@@ -91,15 +90,9 @@ impl AtlasPlan {
         }
     }
 
-    pub(crate) fn source(&self) -> Option<Source> {
-        let [name, sha256] = self.head.source.clone()?;
-        Some(Source { name, sha256 })
-    }
-
     /// Length of the head, the head, a byte for each texel, the cuts.
     pub(crate) fn to_bytes(&self, source: Option<&Source>) -> Vec<u8> {
-        let source = source.map(|source| [source.name.clone(), source.sha256.clone()]);
-        let head = serde_json::json!(Head { source, ..self.head.clone() }).to_string();
+        let head = serde_json::json!(Head { source: source.cloned(), ..self.head.clone() }).to_string();
         let mut bytes = Vec::with_capacity(8 + head.len() + self.coverage.len() + CUT_SIZE * self.cuts.len());
         bytes.extend_from_slice(&(head.len() as u64).to_le_bytes());
         bytes.extend_from_slice(head.as_bytes());

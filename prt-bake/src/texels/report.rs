@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::BakeReport;
 
 /// What an atlas holds. What its bake did is in the [`BakeReport`] that this is part of: there, vertices are the texels that a point of the
-/// surface is baked for, row after row.
+/// surface is baked for, row after row. Of a part only [`vertices`](Self::vertices) are told; all else is of the whole.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TexelReport {
     /// Texels whose centre lies on a face.
@@ -32,7 +32,7 @@ pub struct TexelReport {
     pub seam_error: f64,
     /// Largest difference of the two, relative to the root mean square length of the vectors there.
     pub seam_max: f64,
-    /// The bake of the vertices that light is reflected from, if there are bounces and it was not done elsewhere.
+    /// The bake of the vertices that light is reflected from, if there are bounces and it was not done elsewhere. Its rays and its time are its own.
     #[serde(skip)]
     pub vertices: Option<Box<BakeReport>>,
 }
