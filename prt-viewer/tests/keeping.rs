@@ -217,6 +217,9 @@ fn an_atlas_is_stopped_resumed_shared_out_and_updated_as_vertices_are() {
     for part in ["1/2", "2/2"] {
         let report = place.json(&[LONG_ATLAS.as_slice(), &["--part", part]].concat());
         assert_eq!((number(&report, "/part/1"), number(&report, "/texels_inside")), (2.0, 0.0));
+        assert_eq!(number(&report, "/bounces"), 3.0);
+        let [trace, write] = ["/seconds/trace", "/seconds/write"].map(|step| number(&report, step));
+        assert!(trace > write && number(&report, "/rays_traced") > 1e6, "{report}");
     }
     fs::remove_file(place.path("roof.obj")).unwrap();
     let parts = ["roof.1-of-2.part", "roof.2-of-2.part"];
@@ -225,6 +228,58 @@ fn an_atlas_is_stopped_resumed_shared_out_and_updated_as_vertices_are() {
     let merged = place.json(&[&["merge", "-o", "roof.exr"], parts.as_slice()].concat());
     assert_eq!(fs::read(place.path("roof.exr")).unwrap(), expected);
     assert_eq!((number(&merged, "/texels"), number(&merged, "/bounces")), (number(&info, "/texels"), 3.0));
+}
+
+#[test]
+fn parts_without_a_point_of_their_own_are_parts_too() {
+    let place = Place::new();
+    place.write_roof();
+    let bake = |more: &[&str]| place.json(&[&["bake", "roof.obj", "--texels", "4", "--rays", "64"], more].concat());
+    for part in ["1/3", "2/3", "3/3"] {
+        bake(&["--part", part]);
+    }
+    let parts = ["roof.1-of-3.part", "roof.2-of-3.part", "roof.3-of-3.part"];
+    let info = place.json(&["info", parts[0]]);
+    assert_eq!((number(&info, "/texels"), &info["complete"], &info["bakes_texels"]), (0.0, &true.into(), &true.into()));
+    let line = place.run(&["info", parts[0]]).stdout;
+    assert!(line.contains("part 1 of 3, 0 of 0 texels traced, complete"), "{line}");
+    place.refuses(&[&["merge", "-o", "roof.prt"], parts.as_slice()].concat(), 1, &["roof.prt", "texels", ".exr"]);
+    place.refuses(&[&["merge", "--report", "-o", "roof.exr"], parts.as_slice()].concat(), 2, &["not for texels"]);
+    place.json(&[&["merge", "-o", "roof.exr"], parts.as_slice()].concat());
+    let merged = fs::read(place.path("roof.exr")).unwrap();
+    bake(&["-o", "whole.exr"]);
+    assert_eq!(fs::read(place.path("whole.exr")).unwrap(), merged);
+    place.refuses(&["bake", "roof.obj", "-o", "vertices.exr"], 1, &["vertices.exr", ".prt"]);
+}
+
+#[test]
+fn the_only_part_of_one_is_a_part() {
+    let place = Place::new();
+    place.write_roof();
+    for (texels, output) in [(&["--texels", "8"][..], "roof.exr"), (&[], "roof.prt")] {
+        let bake = [&["bake", "roof.obj", "--rays", "64"], texels].concat();
+        place.json(&bake);
+        let expected = fs::read(place.path(output)).unwrap();
+        let report = place.json(&[bake.as_slice(), &["--part", "1/1"]].concat());
+        assert_eq!((report["output"].as_str().unwrap(), number(&report, "/part/1")), ("roof.1-of-1.part", 1.0));
+        place.json(&["merge", "roof.1-of-1.part", "-o", output]);
+        assert_eq!(fs::read(place.path(output)).unwrap(), expected);
+        fs::remove_file(place.path("roof.1-of-1.part")).unwrap();
+    }
+}
+
+#[test]
+fn a_device_takes_neither_parts_nor_images_nor_reports() {
+    let place = Place::new();
+    place.write_roof();
+    std::os::unix::fs::symlink("/dev/null", place.path("null.exr")).unwrap();
+    let bake = |more: &[&'static str]| [&["bake", "roof.obj", "--rays", "64", "-o"], more].concat();
+    for output in [&["/dev/null", "--part", "1/2"][..], &["null.exr", "--texels", "8", "--part", "1/2"]] {
+        place.refuses(&bake(output), 1, &["cannot write", "regular file"]);
+    }
+    place.refuses(&bake(&["null.exr", "--texels", "8"]), 1, &["cannot write null.exr", "regular file"]);
+    place.refuses(&bake(&["/dev/null", "--report", "page.html"]), 1, &["/dev/null", "device"]);
+    assert_eq!(place.run(&bake(&["/dev/null"])).status, Some(0));
 }
 
 #[test]
@@ -248,7 +303,10 @@ fn update_bakes_only_what_changed() {
     assert!(!up_to_date(&["--order", "3"]));
     // What was baked in a time is as good as it is, however long the next pilot would take.
     let in_time = ["bake", "scene.obj", "--time", "0.3s", "-o", "timed.prt", "--resume"];
+    place.write("other.obj", text.replacen("v ", "v 0.2", 1));
+    place.json(&["bake", "other.obj", "--error", "0.9", "-o", "timed.prt"]);
     let timed = (place.json(&in_time), fs::read(place.path("timed.prt")).unwrap());
+    assert!(number(&timed.0, "/expected_seconds") > 0.0, "an error of another scene does not count: {}", timed.0);
     assert_eq!(place.json(&in_time)["up_to_date"], true);
     assert!(timed.0["up_to_date"] == false && timed.1 == fs::read(place.path("timed.prt")).unwrap());
     let run = place.run(&["bake", "scene.obj", "--rays", "32", "--update", "--order", "3"]);

@@ -32,6 +32,9 @@ pub(super) fn info(path: &Path) -> Result<FileInfo, Error> {
         let PartInfo { width, height, texts, channels, dtypes } = read_part_info(path)?;
         let own = |(name, value): (String, String)| Some((name.strip_prefix(ATTRIBUTE_PREFIX)?.to_owned(), value));
         let metadata: BTreeMap<String, String> = texts.into_iter().filter_map(own).collect();
+        if metadata.is_empty() {
+            return Err(Fault::unsupported("an image that was not baked is"));
+        }
         check_format(&metadata).map_err(Fault::Malformed)?;
         let tensor =
             |(name, dtype): (String, &str)| TensorInfo { name, dtype: dtype.to_owned(), shape: vec![height, width] };

@@ -155,10 +155,10 @@ impl BakedFile {
     }
 }
 
-/// What a baked file of any kind says of itself. Of an image the channels count as tensors.
+/// What a baked file of any kind says of itself. Of an image only the head is read, and its channels count as tensors.
 ///
 /// # Errors
-/// If the file cannot be read, or is neither a safetensors file with metadata nor an OpenEXR image that was baked.
+/// If the file cannot be read, or is neither a safetensors file with metadata nor an OpenEXR image that was baked ([`Error::Unsupported`]).
 pub fn file_info(path: &Path) -> Result<FileInfo, Error> {
     if is_exr(path)? {
         return exr::info(path);

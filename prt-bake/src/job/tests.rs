@@ -393,7 +393,6 @@ fn a_part_with_a_damaged_block_is_not_complete() {
     let parts = two_parts(&fold(6), folder.path());
     assert!(journal_info(&parts[0]).unwrap().is_complete);
     let key = Journal::open(&parts[0]).unwrap().keys()[0];
-    // A record of the same key that comes later takes its place; a wrong checksum leaves it out.
     let whole = fs::read(&parts[0]).unwrap();
     let payload = {
         let mut payload = Vec::new();

@@ -12,7 +12,7 @@ use super::pictures::{Panel, Picture, Pictures};
 use crate::output;
 
 /// The steps of a bake, as the numbers name them.
-const STEPS: [&str; 5] = ["load", "build", "trace", "bounce", "write"];
+const STEPS: [&str; 6] = ["load", "plan", "build", "trace", "bounce", "write"];
 const STYLE: &str = include_str!("page.css");
 
 pub(super) fn page(input: &ReportInput<'_>, findings: &Findings, pictures: &Pictures, advice: &[Advice]) -> String {

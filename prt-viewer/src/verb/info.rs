@@ -38,6 +38,7 @@ enum Content {
         part: [u32; 2],
         vertices: usize,
         vertices_done: usize,
+        bakes_texels: bool,
         texels: usize,
         texels_done: usize,
         complete: bool,
@@ -79,7 +80,10 @@ fn content(path: &Path) -> Result<Content, Error> {
     match extension.to_ascii_lowercase().as_str() {
         "glb" | "gltf" | "obj" | "ply" | "off" => mesh(path),
         // A baked image says so, in metadata of its own.
-        "exr" => baked(path).or_else(|_| image(path)),
+        "exr" => match baked(path) {
+            Err(Error::Unsupported { .. }) => image(path),
+            read => read,
+        },
         "hdr" | "pic" | "rgbe" | "png" | "jpg" | "jpeg" => image(path),
         _ => baked(path),
     }
@@ -93,10 +97,20 @@ fn baked(path: &Path) -> Result<Content, Error> {
 }
 
 fn journal(path: &Path) -> Result<Content, Error> {
-    let JournalInfo { part, vertices, vertices_done, texels, texels_done, is_complete: complete, settings, bytes } =
-        journal_info(path)?;
-    let part = [part.number(), part.count()];
-    Ok(Content::Journal { bytes, part, vertices, vertices_done, texels, texels_done, complete, settings })
+    let info = journal_info(path)?;
+    let JournalInfo { part, bakes_texels, vertices, vertices_done, texels, texels_done, is_complete, settings, bytes } =
+        info;
+    Ok(Content::Journal {
+        bytes,
+        part: [part.number(), part.count()],
+        vertices,
+        vertices_done,
+        bakes_texels,
+        texels,
+        texels_done,
+        complete: is_complete,
+        settings,
+    })
 }
 
 fn mesh(path: &Path) -> Result<Content, Error> {
@@ -136,21 +150,27 @@ fn summary(report: &Report) -> String {
             part: [number, count],
             vertices,
             vertices_done,
+            bakes_texels,
             texels,
             texels_done,
             complete,
             settings,
         } => {
-            let done = |(all, done, what): (usize, usize, &str)| {
-                (all > 0).then(|| format!("{} of {} {what}", output::count(done as u64), output::count(all as u64)))
+            let done = |done: &usize, all: &usize, what| {
+                format!("{} of {} {what}", output::count(*done as u64), output::count(*all as u64))
             };
-            let traced = [(*vertices, *vertices_done, "vertices"), (*texels, *texels_done, "texels")];
-            let traced: Vec<String> = traced.into_iter().filter_map(done).collect();
+            let of_texels = || done(texels_done, texels, "texels");
+            let of_vertices = || done(vertices_done, vertices, "vertices");
+            let traced = match (bakes_texels, vertices) {
+                (true, 0) => of_texels(),
+                (true, _) => format!("{} and {}", of_vertices(), of_texels()),
+                (false, _) => of_vertices(),
+            };
             let settings = settings.iter().map(|(key, value)| format!("\n  {key:<18} {value}"));
             format!(
                 "{file}, {}: part {number} of {count}, {} traced, {}\nsettings{}",
                 output::bytes(*bytes),
-                traced.join(" and "),
+                traced,
                 if *complete { "complete" } else { "not complete" },
                 settings.collect::<String>()
             )

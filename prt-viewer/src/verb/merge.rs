@@ -12,8 +12,8 @@ use crate::{arguments, cancel, memory, output, output_file};
 
 /// Puts together what `prt bake --part` baked in parts
 ///
-/// The result has the same bytes as one bake of the whole. Bounces are followed here, so that all machines of a farm have to do is trace. The
-/// scene itself is not needed.
+/// The result has the same bytes as one bake of the whole. Bounces between vertices are followed here, so that all machines of a farm have to do
+/// is trace; of an atlas every part has followed them already. The scene itself is not needed.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// All parts, in any order
@@ -36,12 +36,12 @@ pub(crate) struct Arguments {
 struct Report {
     parts: usize,
     output: String,
-    /// 0 if texels were baked.
-    vertices: usize,
-    vertices_invalid: usize,
-    /// Texels that a point of the surface was baked for; 0 if vertices were baked.
-    texels: usize,
-    texels_invalid: usize,
+    /// `null` if texels were baked.
+    vertices: Option<usize>,
+    vertices_invalid: Option<usize>,
+    /// Texels that a point of the surface was baked for; `null` if vertices were baked.
+    texels: Option<usize>,
+    texels_invalid: Option<usize>,
     channels: Option<usize>,
     rays_per_vertex: usize,
     rays_traced: u64,
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let output = &arguments.output;
     output_file::check(output)?;
     let part = arguments.parts.first().map(|part| journal_info(part)).transpose()?;
-    let is_atlas = part.as_ref().is_some_and(|part| part.texels > 0);
+    let is_atlas = part.as_ref().is_some_and(|part| part.bakes_texels);
     ensure!(
         is_exr(output) == is_atlas,
         "cannot write {}: {} are written as {}",
@@ -91,15 +91,16 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 impl Report {
     fn new(arguments: &Arguments, part: Option<&JournalInfo>, merged: &FileReport, laps: Laps) -> Self {
         let (bake, metadata) = (&merged.bake, merged.metadata.clone().unwrap_or_default());
-        let of = |is_asked: bool, count: usize| if is_asked { count } else { 0 };
         let is_atlas = bake.texels.is_some();
+        let of_vertices = |count: usize| (!is_atlas).then_some(count);
+        let of_texels = |count: usize| is_atlas.then_some(count);
         Self {
             parts: arguments.parts.len(),
             output: arguments.output.display().to_string(),
-            vertices: of(!is_atlas, bake.vertices.len()),
-            vertices_invalid: of(!is_atlas, bake.invalid_vertices),
-            texels: of(is_atlas, bake.vertices.len()),
-            texels_invalid: of(is_atlas, bake.invalid_vertices),
+            vertices: of_vertices(bake.vertices.len()),
+            vertices_invalid: of_vertices(bake.invalid_vertices),
+            texels: of_texels(bake.vertices.len()),
+            texels_invalid: of_texels(bake.invalid_vertices),
             channels: merged.channels,
             rays_per_vertex: metadata.rays,
             rays_traced: bake.rays_traced,
@@ -118,7 +119,8 @@ impl Report {
     }
 
     fn summary(&self) -> String {
-        let (count, what) = if self.texels > 0 { (self.texels, "texels") } else { (self.vertices, "vertices") };
+        let what = if self.texels.is_some() { "texels" } else { "vertices" };
+        let count = self.texels.or(self.vertices).unwrap_or_default();
         format!(
             "{} parts, {} {what}, {} bounces\nwrote {} ({}) after {:.2} s",
             self.parts,

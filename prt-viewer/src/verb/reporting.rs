@@ -25,6 +25,8 @@ impl Reporting {
     /// - `input`: what must not be overwritten
     pub(super) fn check(&self, input: &Path, output: &Path, is_one_of_several: bool) -> anyhow::Result<()> {
         let Some(paths) = self.paths(output) else { return Ok(()) };
+        let is_device = std::fs::metadata(output).is_ok_and(|metadata| !metadata.is_file());
+        anyhow::ensure!(!is_device, "no report of {}: it is a device, and cannot be read again", output.display());
         if is_one_of_several && self.report.as_ref().is_some_and(|given| given.as_deref() == Some(&paths.html)) {
             return Err(output::usage("--report needs a folder for several scenes"));
         }

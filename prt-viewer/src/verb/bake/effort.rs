@@ -131,16 +131,19 @@ impl Effort {
     }
 }
 
-/// The error that a bake which is resumed was begun with, or was finished with: its time is not measured again.
+/// The error that a bake which is resumed was begun with, or was finished with: its time is not measured again. What was made from another
+/// file does not count.
 fn error_of_earlier(target: &BakeTarget) -> Option<f64> {
     if target.unfinished != prt_bake::Unfinished::Resume {
         return None;
     }
-    let found = match journal_info(&target.journal_path()) {
-        Ok(info) => info.settings.get("target_error").cloned(),
-        Err(_) => file_info(&target.path).ok()?.metadata.get("target_error").cloned(),
-    };
-    found?.parse().ok()
+    if let Ok(journal) = journal_info(&target.journal_path()) {
+        return journal.settings.get("target_error")?.parse().ok();
+    }
+    let done = file_info(&target.path).ok()?.metadata;
+    let source = target.source.as_ref()?;
+    let is_of_source = done.get("source").is_some_and(|from| from.ends_with(&source.sha256));
+    done.get("target_error").filter(|_| is_of_source)?.parse().ok()
 }
 
 /// An order in digits, or `auto`.

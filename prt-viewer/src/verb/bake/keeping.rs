@@ -33,7 +33,7 @@ impl Keeping {
     }
 
     pub(super) fn is_part(&self) -> bool {
-        self.part.is_some_and(|part| !part.is_whole())
+        self.part.is_some()
     }
 
     /// The name of the scene with `.prt`, or with the extension of its kind, or of the part, in the current folder.
@@ -52,8 +52,7 @@ impl Keeping {
             (_, true) => Unfinished::Discard,
             _ => Unfinished::Refuse,
         };
-        let part = self.part.unwrap_or_else(Part::whole);
-        BakeTarget { path, part, unfinished, update: self.update, source: Some(source) }
+        BakeTarget { path, part: self.part, unfinished, update: self.update, source: Some(source) }
     }
 
     /// Gives way to other programs, if that was asked for.

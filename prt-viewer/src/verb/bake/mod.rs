@@ -27,7 +27,7 @@ pub(crate) use texels::is_exr;
 /// Meshes are .glb, .gltf, .obj, .ply and .off. An image is a height field, as is one of the built-in patterns bumps, weave, waffle and
 /// swirl: it becomes a texture of zonal lobes (.prt, or .exr with named channels) that tiles and can be laid over any surface.
 ///
-/// What is done of a mesh or its texels is kept in OUT.prt.journal until it is complete: after Ctrl-C, a crash or a power failure, --resume goes on from
+/// What is done of a mesh or its texels is kept in OUT.journal, the name of the output with .journal, until it is complete: after Ctrl-C, a crash or a power failure, --resume goes on from
 /// there, to the same bytes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -185,6 +185,11 @@ fn run_patch(arguments: &Arguments, scene: &Path, origin: &Origin) -> anyhow::Re
 
 fn run_mesh(arguments: &Arguments, scene: &Path) -> anyhow::Result<()> {
     let output = arguments.output.clone().unwrap_or_else(|| arguments.keeping.default_output(scene, "prt"));
+    anyhow::ensure!(
+        arguments.keeping.is_part() || !is_exr(&output),
+        "cannot write {}: vertices are written as .prt",
+        output.display()
+    );
     output_file::check(&output)?;
     arguments.reporting.check(scene, &output, false)?;
     cancel::listen()?;
@@ -203,8 +208,9 @@ fn bake_mesh(arguments: &Arguments, scene: &Path, output: PathBuf) -> anyhow::Re
     cancel::check()?;
     let name = scene.display().to_string();
     let (options, decision) = decide(arguments, &mesh, None, &target, &name)?;
+    let plan = laps.lap();
     let file = bake_file(&target, &name, |bar| bake_to_file(&mesh, &options, &target, bar))?;
-    let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
+    let seconds = Seconds::new([load, plan, laps.lap()], laps.total(), &file.bake);
     let report = Report::new(scene, &target, &mesh, &cleaning, (&options, decision), &file, seconds);
     arguments.reporting.write(&output::file_name(scene), &target.path, &file, &report)?;
     Ok(report)

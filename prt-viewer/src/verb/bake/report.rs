@@ -13,6 +13,8 @@ use crate::{memory, output};
 pub(super) struct Seconds {
     /// Reading and cleaning the mesh.
     load: f64,
+    /// Finding the order or the error that was left open.
+    plan: f64,
     /// The tree, the set of directions and the layout of an atlas.
     build: f64,
     /// Of texels, that of the vertices that they gather from too.
@@ -22,13 +24,13 @@ pub(super) struct Seconds {
 }
 
 impl Seconds {
-    /// - `load`, `rest`, `total`: reading, all after it, and all together
-    pub(super) fn new(load: f64, rest: f64, total: f64, bake: &BakeReport) -> Self {
+    /// - `bake_and_write`, `total`: all after the plan, and all together
+    pub(super) fn new([load, plan, bake_and_write]: [f64; 3], total: f64, bake: &BakeReport) -> Self {
         let gathered = bake.texels.as_ref().and_then(|texels| texels.vertices.as_deref());
         let times = |bake: &BakeReport| [bake.build, bake.trace].map(|time| time.as_secs_f64());
         let ([build, trace], [more_build, more_trace]) = (times(bake), gathered.map_or([0.0; 2], times));
         let (build, trace) = (build + more_build, trace + more_trace);
-        Self { load, build, trace, write: (rest - build - trace).max(0.0), total }
+        Self { load, plan, build, trace, write: (bake_and_write - build - trace).max(0.0), total }
     }
 }
 
@@ -119,13 +121,12 @@ impl Report {
         file: &FileReport,
         seconds: Seconds,
     ) -> Self {
-        let part = Some(target.part).filter(|part| !part.is_whole());
         let bake = &file.bake;
         Self {
             scene: scene.display().to_string(),
             output: target.path.display().to_string(),
             up_to_date: file.was_up_to_date,
-            part: part.map(|part| [part.number(), part.count()]),
+            part: target.part.map(|part| [part.number(), part.count()]),
             vertices: mesh.positions().len(),
             triangles: mesh.triangles().len(),
             faces_dropped: cleaning.faces_dropped(),

@@ -34,7 +34,10 @@ struct Report {
     texels_invalid: usize,
     /// Texels that an earlier run of this bake had traced from.
     texels_resumed: usize,
+    /// Vertices, of those that texels gather from, that it had traced from.
+    vertices_resumed: usize,
     rays_per_texel: usize,
+    /// From the vertices that texels gather from too.
     rays_traced: u64,
     bounces: usize,
     /// Estimated relative error of shadowed transfer; `null` without rays.
@@ -71,8 +74,9 @@ pub(super) fn run(arguments: &Arguments, scene: &Path, size: Size) -> anyhow::Re
     cancel::check()?;
     let (name, texels) = (scene.display().to_string(), options(arguments, scene, size));
     let (options, decision) = super::decide(arguments, &mesh, Some(&texels), &target, &name)?;
+    let plan = laps.lap();
     let file = super::bake_file(&target, &name, |bar| bake_texels_to_file(&mesh, &options, &texels, &target, bar))?;
-    let seconds = Seconds::new(load, laps.lap(), laps.total(), &file.bake);
+    let seconds = Seconds::new([load, plan, laps.lap()], laps.total(), &file.bake);
     let report = Report::new(scene, &target, &mesh, (&options, &texels, decision), &file, seconds);
     output::result(arguments.json, &report, || report.summary())
 }
@@ -98,25 +102,26 @@ impl Report {
         file: &FileReport,
         seconds: Seconds,
     ) -> Self {
-        let part = Some(target.part).filter(|part| !part.is_whole());
         let bake = &file.bake;
+        let atlas = bake.texels.clone().unwrap_or_default();
+        let gathered = atlas.vertices.as_deref();
         Self {
             scene: scene.display().to_string(),
             output: target.path.display().to_string(),
             up_to_date: file.was_up_to_date,
-            part: part.map(|part| [part.number(), part.count()]),
+            part: target.part.map(|part| [part.number(), part.count()]),
             width: texels.width,
             height: texels.height,
             vertices: mesh.positions().len(),
             triangles: mesh.triangles().len(),
             order: options.order.get(),
             channels: file.channels,
-            atlas: bake.texels.clone().unwrap_or_default(),
             texels_invalid: bake.invalid_vertices,
             texels_resumed: bake.vertices_resumed,
+            vertices_resumed: gathered.map_or(0, |vertices| vertices.vertices_resumed),
             rays_per_texel: if options.shadowed { options.rays_per_vertex } else { 0 },
-            rays_traced: bake.rays_traced,
-            bounces: file.metadata.as_ref().map_or(0, |metadata| metadata.bounces),
+            rays_traced: bake.rays_traced + gathered.map_or(0, |vertices| vertices.rays_traced),
+            bounces: gathered.map_or(0, |vertices| vertices.bounce_energy.len() + 1),
             error: bake.error,
             decision,
             savings: Saved::of(&bake.savings),
@@ -126,6 +131,7 @@ impl Report {
             seconds,
             peak_memory_bytes: memory::peak_bytes(),
             output_bytes: file.bytes,
+            atlas,
         }
     }
 
@@ -133,10 +139,9 @@ impl Report {
         if self.up_to_date {
             return format!("{} is up to date", self.output);
         }
-        let resumed = output::count(self.texels_resumed as u64);
         [
             Some(self.about_atlas()),
-            (self.texels_resumed > 0).then(|| format!("{resumed} texels were there from an earlier run")),
+            self.about_resuming(),
             Some(self.about_rays()),
             self.about_savings.clone(),
             Some(self.about_output()),
@@ -167,6 +172,12 @@ impl Report {
             count(self.atlas.seam_edges),
             100.0 * self.atlas.seam_error,
         )
+    }
+
+    fn about_resuming(&self) -> Option<String> {
+        let [texels, vertices] = [self.texels_resumed, self.vertices_resumed].map(|count| output::count(count as u64));
+        let is_resumed = self.texels_resumed + self.vertices_resumed > 0;
+        is_resumed.then(|| format!("{vertices} vertices and {texels} texels were there from an earlier run"))
     }
 
     fn about_rays(&self) -> String {
