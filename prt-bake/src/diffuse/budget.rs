@@ -48,7 +48,8 @@ const SHARE: f64 = 0.92;
 /// error does. [`BakeOptions::rays_per_vertex`] is the finest set of directions, here too: give it room. Time for reading the mesh and for
 /// writing the file is not counted. Bakes of the bunny, of `nefertiti` and of 512² texels of `spot` in 3, 5, 10 and 20 s took 88 to 107 % of
 /// that, on two threads with room for 65,536 rays, and reached errors of 4e-3 (5 s) and 6e-4 (20 s) at vertices (`prt bake MESH --time 5s
-/// --json`); where other work shares the machine the same bake took 82 to 115 %. Sets of directions alone take half a second, so that budgets below 2 s are missed.
+/// --json`); where other work shares the machine the same bake took 82 to 115 %. Sets of directions alone take half a second, so that budgets
+/// below 2 s are missed.
 ///
 /// # Errors
 /// If an option is out of range or there are no shadows to trace, or the caller cancels.
